@@ -1,0 +1,58 @@
+"""PALMS: where a phone is inside a building, from its floor plan, one scan and a walk.
+
+``import palms`` loads nothing heavy; each name is loaded when it is first used.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from palms.errors import FormatError as FormatError
+    from palms.errors import InputError as InputError
+    from palms.errors import OutputError as OutputError
+    from palms.errors import PalmsError as PalmsError
+    from palms.errors import PalmsWarning as PalmsWarning
+    from palms.errors import SettingsError as SettingsError
+    from palms.floorplan import FloorPlan as FloorPlan
+    from palms.floorplan import Room as Room
+    from palms.floorplan import SegmentClass as SegmentClass
+    from palms.grid import Grid as Grid
+    from palms.odometry import Move as Move
+    from palms.odometry import Odometry as Odometry
+    from palms.scan import Scan as Scan
+    from palms.settings import Settings as Settings
+
+_HOMES = {
+    "FormatError": "errors",
+    "InputError": "errors",
+    "OutputError": "errors",
+    "PalmsError": "errors",
+    "PalmsWarning": "errors",
+    "SettingsError": "errors",
+    "FloorPlan": "floorplan",
+    "Room": "floorplan",
+    "SegmentClass": "floorplan",
+    "Grid": "grid",
+    "Move": "odometry",
+    "Odometry": "odometry",
+    "Scan": "scan",
+    "Settings": "settings",
+}
+
+__all__ = sorted(_HOMES)  # noqa: PLE0605
+
+
+def __getattr__(name: str) -> Any:  # noqa: ANN401
+    if name in _HOMES:
+        return getattr(importlib.import_module(f"palms.{_HOMES[name]}"), name)
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("palms-localization")
+    raise AttributeError(f"module 'palms' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

@@ -1,0 +1,384 @@
+"""Every number of the method, with its unit and where it comes from.
+
+Three presets: `Settings()` is our best, `Settings.paper()` the paper's section III
+(where the paper is silent the number says "paper silent, ours"), `Settings.authors()`
+what the authors published as code. `Settings.for_method` finds them by name.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+from palms.errors import SettingsError
+
+__all__ = [
+    "METHODS",
+    "CandidateSettings",
+    "ConvergenceSettings",
+    "MotionSettings",
+    "RasterSettings",
+    "ScanSettings",
+    "Settings",
+    "StartSettings",
+    "TemplateSettings",
+]
+
+METHODS = ("palms", "paper", "authors", "uniform", "uniform-ori", "no-scan")
+
+
+def _check(group: str, **conditions: tuple[bool, str, object]) -> None:
+    for name, (holds, expected, got) in conditions.items():
+        if not holds:
+            raise SettingsError(f"setting {group}.{name}", expected=expected, got=str(got))
+
+
+@dataclass(frozen=True, slots=True)
+class RasterSettings:
+    """How a floor plan becomes cells.
+
+    Parameters
+    ----------
+    cell_size_m : float
+        Side of a cell (paper silent, ours; the authors' code has the same).
+    margin_m : float
+        Free border around the walls (ours).
+    wall_weight, door_weight, opening_weight, glass_weight : float
+        What a metre of each class counts in matching (ours; a plan without classes is
+        all wall, which is the paper).
+    max_cells : int
+        Refuse larger rasters; 2e7 cells need about half a gigabyte (ours).
+    closing_m : float
+        Gaps up to twice this are closed to find the inside of a building (ours).
+    """
+
+    cell_size_m: float = 0.1
+    margin_m: float = 1.0
+    wall_weight: float = 1.0
+    door_weight: float = 0.5
+    opening_weight: float = 0.0
+    glass_weight: float = 0.5
+    max_cells: int = 20_000_000
+    closing_m: float = 1.5
+
+    def __post_init__(self) -> None:
+        _check(
+            "raster",
+            cell_size_m=(0.01 <= self.cell_size_m <= 1.0, "0.01 to 1 m", self.cell_size_m),
+            margin_m=(self.margin_m >= 0, "0 m or more", self.margin_m),
+            max_cells=(self.max_cells >= 1, "at least 1", self.max_cells),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ScanSettings:
+    """What a scan may look like.
+
+    Parameters
+    ----------
+    max_range_m : float
+        Walls that lie wholly beyond this are not the scanner's; its range is 5 m
+        (paper V), doubled because planes grow while the user turns (ours).
+    min_length_m : float
+        Shorter walls are dropped (ours; METHOD section 5 sees none below 0.45 m).
+    """
+
+    max_range_m: float = 10.0
+    min_length_m: float = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class TemplateSettings:
+    """The paper's convolution kernel RW - alpha * CES.
+
+    Parameters
+    ----------
+    wall_sigma_m : float
+        Gaussian smoothing of the observed walls (paper III-B; width silent, ours).
+    wall_scale : {"peak", "sum"}
+        RW scaled to a peak of 1 (paper silent, ours) or to a sum of 1 (authors' code).
+    empty_weight : float
+        alpha (paper III-B: 1; authors' code: 10).
+    empty_shrink : float
+        Certainly empty triangles are scaled by this towards the observation point
+        (paper III-B "slightly"; authors' code: 0.7).
+    empty_erode_cells : int
+        Cells eroded from certainly empty space (authors' code: 1).
+    empty_range_m : float
+        Certainly empty space ends here (authors' code: 10 m).
+    truncate_cells : int
+        Half width of the Gaussian's window; 0 means 4 sigma (authors' code: 3).
+    range_sigma_m : float
+        Walls weigh exp(-r^2 / 2 sigma^2) by their range r; infinite means equally
+        (authors' code: 10 m).
+    floor_at_zero : bool
+        Whether negative scores are raised to 0 (authors' code).
+    """
+
+    wall_sigma_m: float = 0.3
+    wall_scale: Literal["peak", "sum"] = "peak"
+    empty_weight: float = 1.0
+    empty_shrink: float = 0.7
+    empty_erode_cells: int = 0
+    empty_range_m: float = math.inf
+    truncate_cells: int = 0
+    range_sigma_m: float = math.inf
+    floor_at_zero: bool = False
+
+    def __post_init__(self) -> None:
+        _check(
+            "template",
+            wall_sigma_m=(0 < self.wall_sigma_m <= 2, "above 0, at most 2 m", self.wall_sigma_m),
+            empty_weight=(self.empty_weight >= 0, "0 or more", self.empty_weight),
+            empty_shrink=(0 < self.empty_shrink <= 1, "above 0, at most 1", self.empty_shrink),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class CandidateSettings:
+    """Which cells of the heatmaps may be the place of the scan.
+
+    Parameters
+    ----------
+    quantile : float
+        Cells at or above this quantile are candidates (paper III-C: 0.99).
+    per_map : bool
+        False: one threshold over all maps together, as many cells in each as come out
+        (paper III-C, the text). True: the top of each map, and equally many particles
+        from each (paper, caption of Fig. 1).
+    """
+
+    quantile: float = 0.99
+    per_map: bool = False
+
+    def __post_init__(self) -> None:
+        _check("candidates", quantile=(0 < self.quantile < 1, "between 0 and 1", self.quantile))
+
+
+@dataclass(frozen=True, slots=True)
+class StartSettings:
+    """Where particles start.
+
+    Parameters
+    ----------
+    source : {"scan", "uniform", "uniform-ori"}
+        From the heatmaps (paper III-C), everywhere with any drift (paper IV-B, Uniform),
+        or everywhere with four drifts (paper IV-B, Uniform + Ori).
+    n_particles : int
+        Number of particles (paper IV-B: 2,000).
+    orientation_from : {"plan", "axes"}
+        theta aligns the scan with the plan (paper III-A) or with the axes of the map
+        (authors' code).
+    orientation_moves : int
+        First moves that give Uniform + Ori its theta (paper IV-B "the first few
+        tracking points"; 8 is ours).
+    """
+
+    source: Literal["scan", "uniform", "uniform-ori"] = "scan"
+    n_particles: int = 2000
+    orientation_from: Literal["plan", "axes"] = "plan"
+    orientation_moves: int = 8
+
+    def __post_init__(self) -> None:
+        _check(
+            "start",
+            n_particles=(1 <= self.n_particles <= 5_000_000, "1 to 5,000,000", self.n_particles),
+            orientation_moves=(self.orientation_moves >= 1, "at least 1", self.orientation_moves),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class MotionSettings:
+    """How far a particle's move may differ from the odometry's, and what a wall does.
+
+    Noise is stated for a step of `step_m`. With ``scaling="distance"`` its variance grows
+    with the length of the move, so that the same walk sampled differently spreads the same;
+    with ``"sample"`` it is the same for every sample.
+
+    Parameters
+    ----------
+    step_m : float
+        The step for which the other numbers hold (METHOD section 1: about 0.65 m).
+    length_m, direction_rad, drift_rad : float
+        Standard deviations of a step's length and direction, and of the drift's change
+        (paper silent, ours: fitted to visual-inertial odometry; authors' code: 0.356,
+        0.05, 0.015).
+    jitter_m : float
+        Spread of a resampled particle's place (paper III-C "with noise added"; 0.1 m is
+        ours and the authors').
+    scaling : {"distance", "sample"}
+        See above (authors' code: sample).
+    hit_weight : float
+        What a particle that hits a wall keeps of its weight. 0: it is replaced by a
+        copy of a random survivor (paper III-C); above 0 it passes through (authors'
+        code: 0.3) and all particles are resampled at every step.
+    """
+
+    step_m: float = 0.65
+    length_m: float = 0.05
+    direction_rad: float = 0.025
+    drift_rad: float = 0.007
+    jitter_m: float = 0.1
+    scaling: Literal["distance", "sample"] = "distance"
+    hit_weight: float = 0.0
+
+    def __post_init__(self) -> None:
+        _check(
+            "motion",
+            step_m=(self.step_m > 0, "above 0 m", self.step_m),
+            length_m=(self.length_m >= 0, "0 m or more", self.length_m),
+            direction_rad=(self.direction_rad >= 0, "0 or more", self.direction_rad),
+            drift_rad=(self.drift_rad >= 0, "0 or more", self.drift_rad),
+            jitter_m=(self.jitter_m >= 0, "0 m or more", self.jitter_m),
+            hit_weight=(0 <= self.hit_weight <= 1, "0 to 1", self.hit_weight),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ConvergenceSettings:
+    """When the filter is oriented (t1) and localized (t2).
+
+    Parameters
+    ----------
+    step1 : {"label", "dispersion"}
+        One label holds `label_share` of the particles (paper III-D), or their dispersion,
+        the root of the summed variances, is under `dispersion_m` (paper IV-B, Uniform).
+    label_share : float
+        (paper III-D: 0.8)
+    dispersion_m : float
+        (paper IV-B "a threshold"; 3 m is ours)
+    cluster_share : float
+        Share of the dominant label's particles in its dominant cluster (paper III-D: 0.5).
+    bandwidth_m : float or None
+        Of the flat mean-shift kernel (paper silent, ours: 1 m). None: estimated from the
+        particles, as scikit-learn does by default (authors' code).
+    recluster_steps : int
+        Steps between two clusterings after t2 (paper III-D: 20; authors' code: 10).
+    search_steps : int
+        Steps between two clusterings before t2 (paper silent, ours: 1; authors' code: 5).
+    withdraw : bool
+        Whether t2 is withdrawn when the dominant label changes (authors' code).
+    divide_particles : bool
+        Whether the particle count is divided by the number of labels after t1
+        (authors' code).
+    """
+
+    step1: Literal["label", "dispersion"] = "label"
+    label_share: float = 0.8
+    dispersion_m: float = 3.0
+    cluster_share: float = 0.5
+    bandwidth_m: float | None = 1.0
+    recluster_steps: int = 20
+    search_steps: int = 1
+    withdraw: bool = False
+    divide_particles: bool = False
+
+    def __post_init__(self) -> None:
+        _check(
+            "convergence",
+            label_share=(0 < self.label_share <= 1, "above 0, at most 1", self.label_share),
+            cluster_share=(0 < self.cluster_share <= 1, "above 0, at most 1", self.cluster_share),
+            bandwidth_m=(
+                self.bandwidth_m is None or self.bandwidth_m > 0,
+                "above 0 m",
+                self.bandwidth_m,
+            ),
+            recluster_steps=(self.recluster_steps >= 1, "at least 1", self.recluster_steps),
+            search_steps=(self.search_steps >= 1, "at least 1", self.search_steps),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """All settings of a method; change one with `dataclasses.replace`.
+
+    Parameters
+    ----------
+    method : str
+        Name of the method, one of `METHODS`.
+    raster, scan, template, candidates, start, motion, convergence
+        The groups.
+
+    Examples
+    --------
+    >>> Settings.paper().template.empty_weight
+    1.0
+    >>> Settings.for_method("authors").motion.hit_weight
+    0.3
+    """
+
+    method: str = "palms"
+    raster: RasterSettings = field(default_factory=RasterSettings)
+    scan: ScanSettings = field(default_factory=ScanSettings)
+    template: TemplateSettings = field(default_factory=TemplateSettings)
+    candidates: CandidateSettings = field(default_factory=CandidateSettings)
+    start: StartSettings = field(default_factory=StartSettings)
+    motion: MotionSettings = field(default_factory=MotionSettings)
+    convergence: ConvergenceSettings = field(default_factory=ConvergenceSettings)
+
+    @classmethod
+    def paper(cls) -> Settings:
+        """Return section III of the paper as written."""
+        return cls(method="paper")
+
+    @classmethod
+    def authors(cls) -> Settings:
+        """Return what the authors published as code, as far as it differs from the paper."""
+        return cls(
+            method="authors",
+            template=TemplateSettings(
+                wall_scale="sum", empty_weight=10.0, empty_erode_cells=1, empty_range_m=10.0,
+                truncate_cells=3, range_sigma_m=10.0, floor_at_zero=True,
+            ),
+            start=StartSettings(orientation_from="axes"),
+            motion=MotionSettings(
+                length_m=0.356, direction_rad=0.05, drift_rad=0.015, scaling="sample",
+                hit_weight=0.3,
+            ),
+            convergence=ConvergenceSettings(
+                bandwidth_m=None, recluster_steps=10, search_steps=5, withdraw=True,
+                divide_particles=True,
+            ),
+        )  # fmt: skip
+
+    @classmethod
+    def uniform(cls) -> Settings:
+        """Return paper IV-B, Uniform: everywhere, with any drift; step 1 by dispersion."""
+        return cls(
+            method="uniform",
+            start=StartSettings(source="uniform"),
+            convergence=ConvergenceSettings(step1="dispersion"),
+        )
+
+    @classmethod
+    def uniform_ori(cls) -> Settings:
+        """Return paper IV-B, Uniform + Ori: everywhere, with four drifts from the plan and the first moves."""
+        return cls(method="uniform-ori", start=StartSettings(source="uniform-ori"))
+
+    @classmethod
+    def no_scan(cls) -> Settings:
+        """Return our filter without a scan."""
+        return replace(cls.uniform(), method="no-scan")
+
+    @classmethod
+    def for_method(cls, name: str) -> Settings:
+        """Return the preset of a method by its name.
+
+        Raises
+        ------
+        SettingsError
+            When there is no such method.
+        """
+        presets: dict[str, Any] = {
+            "palms": cls, "paper": cls.paper, "authors": cls.authors, "uniform": cls.uniform,
+            "uniform-ori": cls.uniform_ori, "no-scan": cls.no_scan,
+        }  # fmt: skip
+        if name not in presets:
+            raise SettingsError("method", expected="one of " + ", ".join(METHODS), got=repr(name))
+        preset: Settings = presets[name]()
+        return preset
+
+    def with_particles(self, n_particles: int) -> Settings:
+        """Return the same settings with another number of particles."""
+        return replace(self, start=replace(self.start, n_particles=n_particles))
