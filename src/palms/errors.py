@@ -22,13 +22,6 @@ __all__ = [
     "PalmsWarning",
     "SettingsError",
 ]
-    "FormatError",
-    "InputError",
-    "OutputError",
-    "PalmsError",
-    "PalmsWarning",
-    "SettingsError",
-]
 
 
 class PalmsError(Exception):

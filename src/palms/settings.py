@@ -353,7 +353,7 @@ class Settings:
 
     @classmethod
     def uniform_ori(cls) -> Settings:
-        """Return paper IV-B, Uniform + Ori: everywhere, with four drifts from the plan and the first moves."""
+        """Return paper IV-B, Uniform + Ori: four drifts, from the plan and the first moves."""
         return cls(method="uniform-ori", start=StartSettings(source="uniform-ori"))
 
     @classmethod
