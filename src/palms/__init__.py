@@ -9,6 +9,10 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from palms.belief import Belief as Belief
+    from palms.belief import Estimate as Estimate
+    from palms.belief import Hypothesis as Hypothesis
+    from palms.belief import Stage as Stage
     from palms.errors import FormatError as FormatError
     from palms.errors import InputError as InputError
     from palms.errors import OutputError as OutputError
@@ -19,10 +23,24 @@ if TYPE_CHECKING:
     from palms.floorplan import Room as Room
     from palms.floorplan import SegmentClass as SegmentClass
     from palms.grid import Grid as Grid
+    from palms.heatmap import Candidates as Candidates
+    from palms.heatmap import Heatmaps as Heatmaps
+    from palms.io import read_floorplan as read_floorplan
+    from palms.io import read_scan as read_scan
+    from palms.io import read_walk as read_walk
+    from palms.localizer import Localizer as Localizer
+    from palms.localizer import Track as Track
+    from palms.localizer import locate as locate
+    from palms.localizer import track as track
+    from palms.localizer import track_trials as track_trials
     from palms.odometry import Move as Move
     from palms.odometry import Odometry as Odometry
+    from palms.particles import Particles as Particles
+    from palms.raster import PlanRaster as PlanRaster
+    from palms.raster import rasterize as rasterize
     from palms.scan import Scan as Scan
     from palms.settings import Settings as Settings
+    from palms.template import Template as Template
 
 _HOMES = {
     "FormatError": "errors",
@@ -39,6 +57,24 @@ _HOMES = {
     "Odometry": "odometry",
     "Scan": "scan",
     "Settings": "settings",
+    "Belief": "belief",
+    "Estimate": "belief",
+    "Hypothesis": "belief",
+    "Stage": "belief",
+    "Candidates": "heatmap",
+    "Heatmaps": "heatmap",
+    "Localizer": "localizer",
+    "Track": "localizer",
+    "locate": "localizer",
+    "track": "localizer",
+    "track_trials": "localizer",
+    "Particles": "particles",
+    "PlanRaster": "raster",
+    "rasterize": "raster",
+    "Template": "template",
+    "read_floorplan": "io",
+    "read_scan": "io",
+    "read_walk": "io",
 }
 
 __all__ = sorted(_HOMES)  # noqa: PLE0605

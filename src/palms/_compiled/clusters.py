@@ -1,0 +1,225 @@
+"""Where the particles gather, and how far they lie from an answer."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, nogil=True)
+def _binned(points, cell):
+    """Sort points (N, 2) into square bins: corner, bins along y and x, start, order."""
+    n = points.shape[0]
+    left, bottom = points[0, 0], points[0, 1]
+    right, top = left, bottom
+    for i in range(n):
+        left, right = min(left, points[i, 0]), max(right, points[i, 0])
+        bottom, top = min(bottom, points[i, 1]), max(top, points[i, 1])
+    columns = int((right - left) / cell) + 1
+    rows = int((top - bottom) / cell) + 1
+    start = np.zeros(rows * columns + 1, np.int64)
+    home = np.empty(n, np.int64)
+    for i in range(n):
+        home[i] = int((points[i, 1] - bottom) / cell) * columns + int((points[i, 0] - left) / cell)
+        start[home[i] + 1] += 1
+    for b in range(rows * columns):
+        start[b + 1] += start[b]
+    fill = start[:-1].copy()
+    order = np.empty(n, np.int64)
+    for i in range(n):
+        order[fill[home[i]]] = i
+        fill[home[i]] += 1
+    return left, bottom, rows, columns, start, order
+
+
+@njit(cache=True, nogil=True)
+def mean_shift(points, bandwidth, tolerance, max_iterations):
+    """Flat-kernel mean shift of points (N, 2), N at least 1 (Comaniciu and Meer 2002).
+
+    Every occupied bin of one bandwidth starts a search at its centroid. Modes nearer than
+    a bandwidth to a denser one are dropped; each point belongs to the nearest mode.
+
+    Returns
+    -------
+    modes (M, 2), densest first; member (N,) the mode of each point; counts (M,).
+    """
+    n = points.shape[0]
+    left, bottom, rows, columns, start, order = _binned(points, bandwidth)
+    squared = bandwidth * bandwidth
+    modes = np.empty((n, 2))
+    density = np.empty(n, np.int64)
+    m = 0
+    for b in range(rows * columns):
+        if start[b] == start[b + 1]:
+            continue
+        x, y = 0.0, 0.0
+        for k in range(start[b], start[b + 1]):
+            x += points[order[k], 0]
+            y += points[order[k], 1]
+        x /= start[b + 1] - start[b]
+        y /= start[b + 1] - start[b]
+        count = 0
+        for _ in range(max_iterations):
+            sx, sy, count = 0.0, 0.0, 0
+            r = int(math.floor((y - bottom) / bandwidth))
+            c = int(math.floor((x - left) / bandwidth))
+            for rr in range(max(0, r - 1), min(rows, r + 2)):
+                first = rr * columns + max(0, c - 1)
+                last = rr * columns + min(columns, c + 2)
+                for k in range(start[first], start[last]):
+                    i = order[k]
+                    dx, dy = points[i, 0] - x, points[i, 1] - y
+                    if dx * dx + dy * dy <= squared:
+                        sx += dx
+                        sy += dy
+                        count += 1
+            if count == 0:
+                break
+            x += sx / count
+            y += sy / count
+            if sx * sx + sy * sy <= (tolerance * count) ** 2:
+                break
+        modes[m, 0], modes[m, 1], density[m] = x, y, count
+        m += 1
+    kept = np.empty((m, 2))
+    n_kept = 0
+    for j in np.argsort(-density[:m], kind="mergesort"):
+        alone = True
+        for k in range(n_kept):
+            dx, dy = kept[k, 0] - modes[j, 0], kept[k, 1] - modes[j, 1]
+            if dx * dx + dy * dy < squared:
+                alone = False
+                break
+        if alone:
+            kept[n_kept] = modes[j]
+            n_kept += 1
+    member = np.empty(n, np.int64)
+    counts = np.zeros(n_kept, np.int64)
+    for i in range(n):
+        best, nearest = np.inf, 0
+        for k in range(n_kept):
+            dx, dy = kept[k, 0] - points[i, 0], kept[k, 1] - points[i, 1]
+            d = dx * dx + dy * dy
+            if d < best:
+                best, nearest = d, k
+        member[i] = nearest
+        counts[nearest] += 1
+    return kept[:n_kept], member, counts
+
+
+@njit(cache=True, nogil=True)
+def distances(points, x, y, out):
+    """Fill out (N,) with the distances of points (N, 2) from (x, y)."""
+    for i in range(points.shape[0]):
+        dx, dy = points[i, 0] - x, points[i, 1] - y
+        out[i] = math.sqrt(dx * dx + dy * dy)
+
+
+@njit(cache=True, nogil=True)
+def weight_within(distance, weight, radius):
+    """Weight of the particles within a radius."""
+    total = 0.0
+    for i in range(distance.shape[0]):
+        if distance[i] <= radius:
+            total += weight[i]
+    return total
+
+
+@njit(cache=True, nogil=True)
+def weighted_quantile(distance, weight, share):
+    """Smallest distance within which a share of all weight lies."""
+    n = distance.shape[0]
+    bins = 512
+    far, total = 0.0, 0.0
+    for i in range(n):
+        far = max(far, distance[i])
+        total += weight[i]
+    if far == 0.0:
+        return 0.0
+    factor = (bins - 1) / far
+    mass = np.zeros(bins)
+    for i in range(n):
+        mass[int(distance[i] * factor)] += weight[i]
+    wanted = share * total * (1.0 - 1e-12)
+    b, below = 0, 0.0
+    while b < bins - 1 and below + mass[b] < wanted:
+        below += mass[b]
+        b += 1
+    inside = np.empty(n, np.int64)
+    m = 0
+    for i in range(n):
+        if int(distance[i] * factor) == b:
+            inside[m] = i
+            m += 1
+    ranked = inside[:m][np.argsort(distance[inside[:m]])]
+    for i in ranked:
+        below += weight[i]
+        if below >= wanted:
+            return distance[i]
+    return distance[ranked[-1]] if m else far
+
+
+@njit(cache=True, nogil=True)
+def heaviest_places(points, weight, radius, n_places):
+    """Up to n_places spots of most weight, greedily: members of a disc leave after each.
+
+    Returns
+    -------
+    place (N,): the spot each particle belongs to, or -1; shares (n_places,), 0 when unused.
+    """
+    n = points.shape[0]
+    left, bottom, rows, columns, start, order = _binned(points, radius)
+    mass = np.zeros(rows * columns)
+    for b in range(rows * columns):
+        for k in range(start[b], start[b + 1]):
+            mass[b] += weight[order[k]]
+    place = np.full(n, -1, np.int64)
+    shares = np.zeros(n_places)
+    for spot in range(n_places):
+        best, at = 0.0, -1
+        for b in range(rows * columns):
+            if mass[b] <= 0.0:
+                continue
+            r, c = b // columns, b % columns
+            total = 0.0
+            for rr in range(max(0, r - 1), min(rows, r + 2)):
+                for cc in range(max(0, c - 1), min(columns, c + 2)):
+                    total += mass[rr * columns + cc]
+            if total > best + 1e-12:
+                best, at = total, b
+        if at < 0:
+            break
+        x, y, total = 0.0, 0.0, 0.0
+        r, c = at // columns, at % columns
+        first_r, last_r = max(0, r - 2), min(rows, r + 3)
+        first_c, last_c = max(0, c - 2), min(columns, c + 3)
+        for rr in range(max(0, r - 1), min(rows, r + 2)):
+            for cc in range(max(0, c - 1), min(columns, c + 2)):
+                b = rr * columns + cc
+                for k in range(start[b], start[b + 1]):
+                    i = order[k]
+                    if place[i] < 0:
+                        x += weight[i] * points[i, 0]
+                        y += weight[i] * points[i, 1]
+                        total += weight[i]
+        x /= total
+        y /= total
+        for rr in range(first_r, last_r):
+            for cc in range(first_c, last_c):
+                b = rr * columns + cc
+                mass[b] = 0.0
+                for k in range(start[b], start[b + 1]):
+                    i = order[k]
+                    if place[i] >= 0:
+                        continue
+                    dx, dy = points[i, 0] - x, points[i, 1] - y
+                    if dx * dx + dy * dy <= radius * radius:
+                        place[i] = spot
+                        shares[spot] += weight[i]
+                    else:
+                        mass[b] += weight[i]
+        if shares[spot] == 0.0:
+            mass[at] = 0.0
+    return place, shares

@@ -1,0 +1,313 @@
+"""The particle filter's loops: random numbers, walls, moves, resampling."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+TAIL = 3.442619855899  # Marsaglia and Tsang 2000: start of the tail, 128 blocks
+AREA = 9.91256303526217e-3  # Marsaglia and Tsang 2000: area of a block
+BLOCKS = 128
+
+
+def _ziggurat() -> tuple[np.ndarray, np.ndarray]:
+    """Edges of the blocks under the normal density (Doornik 2005, ZIGNOR)."""
+    x = np.zeros(BLOCKS + 1)
+    density = math.exp(-0.5 * TAIL * TAIL)
+    x[0], x[1] = AREA / density, TAIL
+    for i in range(2, BLOCKS):
+        x[i] = math.sqrt(-2.0 * math.log(AREA / x[i - 1] + density))
+        density = math.exp(-0.5 * x[i] * x[i])
+    return x, x[1:] / x[:-1]
+
+
+X, RATIO = _ziggurat()
+GAMMA = np.uint64(0x9E3779B97F4A7C15)
+SPREAD = np.uint64(0xD1342543DE82EF95)
+MIX_1, MIX_2 = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
+S11, S27, S30, S31 = np.uint64(11), np.uint64(27), np.uint64(30), np.uint64(31)
+LOW_7 = np.uint64(127)
+TOUCH_M = 1e-9  # a move that comes this near to a wall touches it
+
+
+class Walls(NamedTuple):
+    """What the loops know of the walls; all relative to the map's axes, metres.
+
+    Attributes
+    ----------
+    segments : (M, 4) float64
+        Blocking segments x0, y0, x1, y1.
+    clearance : (R, C) uint8
+        Distance from a cell to the nearest cell with a wall, in half cells, at most 255.
+    origin : (2,) float64
+        Lower left corner of `clearance` and of the buckets.
+    cell, bucket : float
+        Sides of a cell and of a bucket.
+    shape : (2,) int64
+        Rows and columns of buckets.
+    start, items : int32
+        Bucket b holds the segments items[start[b]:start[b + 1]].
+    """
+
+    segments: np.ndarray
+    clearance: np.ndarray
+    origin: np.ndarray
+    cell: float
+    bucket: float
+    shape: np.ndarray
+    start: np.ndarray
+    items: np.ndarray
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _mixed(x):
+    x = (x ^ (x >> S30)) * MIX_1
+    x = (x ^ (x >> S27)) * MIX_2
+    return x ^ (x >> S31)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _stream(key, i):
+    """First state of particle i's stream (SplitMix64; Steele, Lea, Flood 2014)."""
+    return _mixed(key + np.uint64(i + 1) * SPREAD)
+
+
+@njit(cache=True, nogil=True, inline="always")
+def _uniform(state):
+    """Return a number in [0, 1) and the next state."""
+    state = state + GAMMA
+    return float(_mixed(state) >> S11) * 1.1102230246251565e-16, state
+
+
+@njit(cache=True, nogil=True)
+def _normal(state):
+    """Return a standard normal number and the next state (Doornik 2005, ZIGNOR)."""
+    while True:
+        state = state + GAMMA
+        bits = _mixed(state)
+        i = int(bits & LOW_7)
+        u = 2.0 * (float(bits >> S11) * 1.1102230246251565e-16) - 1.0
+        if abs(u) < RATIO[i]:
+            return u * X[i], state
+        if i == 0:
+            while True:
+                v, state = _uniform(state)
+                w, state = _uniform(state)
+                x = math.log(1.0 - v) / TAIL
+                y = math.log(1.0 - w)
+                if -2.0 * y >= x * x:
+                    return (x - TAIL if u < 0 else TAIL - x), state
+        x = u * X[i]
+        f0 = math.exp(-0.5 * (X[i] * X[i] - x * x))
+        f1 = math.exp(-0.5 * (X[i + 1] * X[i + 1] - x * x))
+        v, state = _uniform(state)
+        if f1 + v * (f0 - f1) < 1.0:
+            return x, state
+
+
+@njit(cache=True, nogil=True)
+def normals(key, n, out):
+    """Fill out (N, n): row i holds the first n normal numbers of particle i."""
+    for i in range(out.shape[0]):
+        state = _stream(key, i)
+        for k in range(n):
+            out[i, k], state = _normal(state)
+
+
+@njit(cache=True, nogil=True)
+def uniforms(key, n, out):
+    """Fill out (N, n): row i holds the first n uniform numbers of particle i."""
+    for i in range(out.shape[0]):
+        state = _stream(key, i)
+        for k in range(n):
+            out[i, k], state = _uniform(state)
+
+
+@njit(cache=True, nogil=True)
+def _meets(s, i, x0, y0, x1, y1):
+    """Whether a move touches segment i."""
+    ax, ay, bx, by = s[i, 0], s[i, 1], s[i, 2], s[i, 3]
+    if (
+        max(ax, bx) < min(x0, x1) - TOUCH_M
+        or min(ax, bx) > max(x0, x1) + TOUCH_M
+        or max(ay, by) < min(y0, y1) - TOUCH_M
+        or min(ay, by) > max(y0, y1) + TOUCH_M
+    ):
+        return False
+    dx, dy = x1 - x0, y1 - y0
+    ex, ey = bx - ax, by - ay
+    near = TOUCH_M * math.sqrt(dx * dx + dy * dy)
+    o1 = dx * (ay - y0) - dy * (ax - x0)
+    o2 = dx * (by - y0) - dy * (bx - x0)
+    if (o1 > near and o2 > near) or (o1 < -near and o2 < -near):
+        return False
+    near = TOUCH_M * math.sqrt(ex * ex + ey * ey)
+    o3 = ex * (y0 - ay) - ey * (x0 - ax)
+    o4 = ex * (y1 - ay) - ey * (x1 - ax)
+    return not ((o3 > near and o4 > near) or (o3 < -near and o4 < -near))
+
+
+@njit(cache=True, nogil=True)
+def _meets_any(walls, x0, y0, x1, y1):
+    """Whether a move touches a wall, bucket by bucket along it (Amanatides and Woo 1987)."""
+    rows, columns = walls.shape[0], walls.shape[1]
+    u0, v0 = (x0 - walls.origin[0]) / walls.bucket, (y0 - walls.origin[1]) / walls.bucket
+    du = (x1 - x0) / walls.bucket
+    dv = (y1 - y0) / walls.bucket
+    c, r = int(math.floor(u0)), int(math.floor(v0))
+    step_c = 1 if du > 0 else -1
+    step_r = 1 if dv > 0 else -1
+    delta_c = abs(1.0 / du) if du != 0 else math.inf
+    delta_r = abs(1.0 / dv) if dv != 0 else math.inf
+    next_c = math.inf
+    if du != 0:
+        next_c = ((c + 1 - u0) if du > 0 else (u0 - c)) * delta_c
+    next_r = math.inf
+    if dv != 0:
+        next_r = ((r + 1 - v0) if dv > 0 else (v0 - r)) * delta_r
+    t = 0.0
+    while t <= 1.0:
+        if 0 <= r < rows and 0 <= c < columns:
+            b = r * columns + c
+            for k in range(walls.start[b], walls.start[b + 1]):
+                if _meets(walls.segments, walls.items[k], x0, y0, x1, y1):
+                    return True
+        if next_c <= next_r:
+            t = next_c
+            next_c += delta_c
+            c += step_c
+        else:
+            t = next_r
+            next_r += delta_r
+            r += step_r
+    return False
+
+
+@njit(cache=True, nogil=True)
+def _blocked(walls, x0, y0, x1, y1):
+    """Whether a move touches a wall or leaves the raster; standing still does neither."""
+    dx, dy = x1 - x0, y1 - y0
+    length = math.sqrt(dx * dx + dy * dy)
+    if length == 0.0:
+        return False
+    rows, columns = walls.clearance.shape
+    c0 = int(math.floor((x0 - walls.origin[0]) / walls.cell))
+    r0 = int(math.floor((y0 - walls.origin[1]) / walls.cell))
+    c1 = int(math.floor((x1 - walls.origin[0]) / walls.cell))
+    r1 = int(math.floor((y1 - walls.origin[1]) / walls.cell))
+    if not (0 <= c1 < columns and 0 <= r1 < rows):
+        return True
+    if 0 <= c0 < columns and 0 <= r0 < rows:
+        room = 0.5 * (float(walls.clearance[r0, c0]) + float(walls.clearance[r1, c1]))
+        if room > length / walls.cell + 3.0:
+            return False
+    return _meets_any(walls, x0, y0, x1, y1)
+
+
+@njit(cache=True, nogil=True)
+def blocked(walls, start, end, out):
+    """Fill out (N,): whether the move from start (N, 2) to end (N, 2) is blocked."""
+    for i in range(start.shape[0]):
+        out[i] = _blocked(walls, start[i, 0], start[i, 1], end[i, 0], end[i, 1])
+
+
+@njit(cache=True, nogil=True)
+def move(position, drift, scale, step, noise, key, walls, new_position, new_drift, hit):
+    """Move every particle by one step of the odometry; return how many hit a wall.
+
+    Parameters
+    ----------
+    step : (dx, dy) in the odom frame.
+    noise : standard deviations along the move, across it, and of the drift.
+    """
+    dx, dy = step
+    along, across, turning = noise
+    length = math.sqrt(dx * dx + dy * dy)
+    ux, uy = (dx / length, dy / length) if length > 0 else (1.0, 0.0)
+    n_hit = 0
+    for i in range(position.shape[0]):
+        state = _stream(key, i)
+        z0, state = _normal(state)
+        z1, state = _normal(state)
+        z2, state = _normal(state)
+        angle = drift[i] + turning * z2
+        far = length * scale[i] + along * z0
+        side = across * z1
+        sx, sy = far * ux - side * uy, far * uy + side * ux
+        c, s = math.cos(angle), math.sin(angle)
+        x0, y0 = position[i, 0], position[i, 1]
+        x1, y1 = x0 + c * sx - s * sy, y0 + s * sx + c * sy
+        new_position[i, 0], new_position[i, 1], new_drift[i] = x1, y1, angle
+        hit[i] = _blocked(walls, x0, y0, x1, y1)
+        n_hit += hit[i]
+    return n_hit
+
+
+@njit(cache=True, nogil=True)
+def replace_hits(position, drift, scale, label, hit, spread, key, walls):
+    """Replace, in place, each particle that hit by a copy of a random survivor.
+
+    The copy's place is jittered by spread[0] without crossing a wall, its drift by
+    spread[1]. With no survivor nothing changes.
+    """
+    n = position.shape[0]
+    survivors = np.empty(n, np.int32)
+    m = 0
+    for i in range(n):
+        if not hit[i]:
+            survivors[m] = i
+            m += 1
+    if m == 0:
+        return
+    for i in range(n):
+        if not hit[i]:
+            continue
+        state = _stream(key, i)
+        u, state = _uniform(state)
+        j = survivors[min(int(u * m), m - 1)]
+        x0, y0 = position[j, 0], position[j, 1]
+        x1, y1 = x0, y0
+        for _ in range(8):
+            z0, state = _normal(state)
+            z1, state = _normal(state)
+            x, y = x0 + spread[0] * z0, y0 + spread[0] * z1
+            if not _blocked(walls, x0, y0, x, y):
+                x1, y1 = x, y
+                break
+        z0, state = _normal(state)
+        position[i, 0], position[i, 1] = x1, y1
+        drift[i] = drift[j] + spread[1] * z0
+        scale[i], label[i] = scale[j], label[j]
+
+
+@njit(cache=True, nogil=True)
+def systematic(weights, n, u, out):
+    """Fill out (n,) with indices drawn by systematic resampling at offset u in [0, 1)."""
+    total = 0.0
+    for i in range(weights.shape[0]):
+        total += weights[i]
+    j = 0
+    reached = weights[0]
+    last = weights.shape[0] - 1
+    for k in range(n):
+        wanted = (k + u) * total / n
+        while reached <= wanted and j < last:
+            j += 1
+            reached += weights[j]
+        out[k] = j
+
+
+@njit(cache=True, nogil=True)
+def place(cells, drifts, index, cell, origin, key, position, drift):
+    """Place particles uniformly within cells (C, 2), each with its cell's drift."""
+    for i in range(index.shape[0]):
+        state = _stream(key, i)
+        u, state = _uniform(state)
+        v, state = _uniform(state)
+        j = index[i]
+        position[i, 0] = origin[0] + (cells[j, 1] + u) * cell
+        position[i, 1] = origin[1] + (cells[j, 0] + v) * cell
+        drift[i] = drifts[j]

@@ -1,0 +1,63 @@
+"""The largest of very many scores."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+BINS = 4096
+
+
+@njit(cache=True, nogil=True)
+def nth_largest(values, n):
+    """Return the n-th largest (n from 1) of float32 values (N,), exact and safe with ties.
+
+    Histogram of all, then of the bin that holds the rank, until that bin holds one value or
+    few; three passes as a rule.
+    """
+    low, high = np.inf, -np.inf
+    for v in values:
+        low = min(low, float(v))
+        high = max(high, float(v))
+    rank = n
+    while True:
+        if high <= low:
+            return np.float32(low)
+        counts = np.zeros(BINS, np.int64)
+        factor = (BINS - 1) / (high - low)
+        for v in values:
+            if low <= v <= high:
+                counts[int((v - low) * factor)] += 1
+        b = BINS - 1
+        while counts[b] < rank:
+            rank -= counts[b]
+            b -= 1
+        new_low, new_high = np.inf, -np.inf
+        kept = np.empty(counts[b], np.float32)
+        m = 0
+        for v in values:
+            if low <= v <= high and int((v - low) * factor) == b:
+                kept[m] = v
+                m += 1
+                new_low = min(new_low, float(v))
+                new_high = max(new_high, float(v))
+        if m <= 8192 or new_low == new_high:
+            kept.sort()
+            return kept[m - rank]
+        low, high = new_low, new_high
+
+
+@njit(cache=True, nogil=True)
+def at_least(scores, threshold):
+    """Flat indices of the scores (R, C) at or above a threshold, in order."""
+    flat = scores.ravel()
+    n = 0
+    for v in flat:
+        n += v >= threshold
+    out = np.empty(n, np.int64)
+    m = 0
+    for i in range(flat.shape[0]):
+        if flat[i] >= threshold:
+            out[m] = i
+            m += 1
+    return out

@@ -1,0 +1,307 @@
+"""Localizer for a live stream, track() for a recording: the method from end to end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from palms.belief import HEADING_MOVE_M, Belief, Estimate, Stage, settle, summarize
+from palms.errors import InputError
+from palms.floorplan import FloorPlan
+from palms.geometry import FloatArray
+from palms.heatmap import Candidates, find_candidates, match, scan_drifts
+from palms.odometry import Move, Odometry
+from palms.orientation import candidate_drifts, principal_orientation, smallest_alignment
+from palms.particles import MoveInfo, Particles, advance, start_everywhere, start_from
+from palms.randomness import RandomKey, as_key
+from palms.raster import PlanRaster, rasterize
+from palms.scan import Scan
+from palms.settings import Settings
+
+__all__ = ["Localizer", "Track", "Watcher", "locate", "track", "track_trials"]
+
+Watcher = Callable[[Estimate, Belief, MoveInfo], None]
+_START = 0  # key of the start; step i has key i + 1
+
+
+@dataclass(frozen=True)
+class Track:
+    """The answers along a recorded walk.
+
+    Parameters
+    ----------
+    seed : int or None
+        The seed, where a seed was given.
+    estimates : tuple of Estimate
+        One for each sample of the odometry.
+
+    Examples
+    --------
+    >>> Track(0, (Estimate(0.5), Estimate(1.0))).localized_at_s is None
+    True
+    """
+
+    seed: int | None
+    estimates: tuple[Estimate, ...]
+
+    def __len__(self) -> int:
+        return len(self.estimates)
+
+    def __iter__(self) -> Iterator[Estimate]:
+        return iter(self.estimates)
+
+    @property
+    def oriented_at_s(self) -> float | None:
+        """t1: when it was first oriented, or localized; None when never."""
+        return self._first(Stage.ORIENTED, Stage.LOCALIZED)
+
+    @property
+    def localized_at_s(self) -> float | None:
+        """t2: when it was first localized; None when never."""
+        return self._first(Stage.LOCALIZED)
+
+    @property
+    def position_m(self) -> FloatArray:
+        """Answers (T, 2); NaN where there was none."""
+        none = np.full(2, np.nan)
+        return np.array([none if e.position_m is None else e.position_m for e in self.estimates])
+
+    def _first(self, *stages: Stage) -> float | None:
+        return next((e.time_s for e in self.estimates if e.stage in stages), None)
+
+
+def locate(
+    plan: FloorPlan | PlanRaster, scan: Scan, settings: Settings | None = None
+) -> Candidates:
+    """Return where one scan alone may have been taken (paper III-A to III-C).
+
+    Parameters
+    ----------
+    plan : FloorPlan or PlanRaster
+        A raster is reused, with its cached transform.
+    scan : Scan
+    settings : Settings, optional
+    """
+    settings = settings or Settings()
+    raster = _raster(plan, settings)
+    drifts_rad = scan_drifts(scan, raster, settings)
+    return find_candidates(match(scan, raster, drifts_rad, settings.template), settings.candidates)
+
+
+def track(
+    plan: FloorPlan | PlanRaster,
+    scan: Scan | None,
+    odometry: Odometry,
+    settings: Settings | None = None,
+    rng: int | np.random.Generator | RandomKey = 0,
+    watch: Watcher | None = None,
+) -> Track:
+    """Follow a recorded walk through a plan (paper III).
+
+    Parameters
+    ----------
+    plan : FloorPlan or PlanRaster
+    scan : Scan or None
+        Taken where the walk begins. None for the methods that start everywhere.
+    odometry : Odometry
+    settings : Settings, optional
+        `Settings()` when left out.
+    rng : int, Generator or RandomKey
+        Same seed, same answer.
+    watch : callable, optional
+        Receives (estimate, belief, info) after each move.
+
+    Returns
+    -------
+    Track
+        One estimate for each sample of the odometry.
+    """
+    settings = settings or Settings()
+    raster = _raster(plan, settings)
+    localizer = Localizer(raster, settings, rng, odometry.frame == "own", watch)
+    if scan is not None and settings.start.source == "scan":
+        localizer.observe(scan, odometry.start_m)
+    estimates = tuple(localizer.move(move) for move in odometry.moves())
+    return Track(int(rng) if isinstance(rng, (int, np.integer)) else None, estimates)
+
+
+def track_trials(
+    plan: FloorPlan | PlanRaster,
+    scan: Scan | None,
+    odometry: Odometry,
+    settings: Settings,
+    seeds: Sequence[int],
+    jobs: int = 1,
+) -> Iterator[Track]:
+    """Yield one track for each seed, in order; heatmaps are made once.
+
+    Parameters
+    ----------
+    plan, scan, odometry, settings
+        As for `track`.
+    seeds : sequence of int
+    jobs : int
+        Threads; the tracks do not depend on it.
+    """
+    raster = _raster(plan, settings)
+    needs_scan = scan is not None and settings.start.source == "scan"
+    candidates = locate(raster, scan, settings) if scan is not None and needs_scan else None
+
+    def follow(seed: int) -> Track:
+        localizer = Localizer(raster, settings, seed, odometry.frame == "own")
+        if candidates is not None and scan is not None:
+            localizer.start(candidates, scan, odometry.start_m)
+        return Track(seed, tuple(localizer.move(move) for move in odometry.moves()))
+
+    if jobs == 1:
+        yield from map(follow, seeds)
+        return
+    with ThreadPoolExecutor(jobs) as pool:
+        yield from pool.map(follow, seeds)
+
+
+class Localizer:
+    """Finds a phone in a plan while it walks: `observe` a scan, then `move` by `move`.
+
+    Parameters
+    ----------
+    plan : FloorPlan or PlanRaster
+    settings : Settings, optional
+    rng : int, Generator or RandomKey
+        Same seed and same inputs, same answers as `track`.
+    own_frame : bool
+        Whether the odometry's frame is not the scan's.
+    watch : callable, optional
+        Receives (estimate, belief, info) after each move.
+
+    Attributes
+    ----------
+    estimate : Estimate
+        The latest answer.
+    belief : Belief or None
+        What it rests on; None before there is any.
+
+    Examples
+    --------
+    >>> room = [[[0, 0], [6, 0]], [[6, 0], [6, 4]], [[6, 4], [0, 4]], [[0, 4], [0, 0]]]
+    >>> localizer = Localizer(FloorPlan(room), rng=1)
+    >>> localizer.move(Move(0.5, 0.3, 0.0)).position_m is None  # no scan yet
+    True
+    >>> estimate = localizer.observe(Scan(np.array(room) - (2.0, 1.0)))
+    >>> estimate.is_localized, estimate.position_m is None
+    (False, False)
+    """
+
+    def __init__(
+        self,
+        plan: FloorPlan | PlanRaster,
+        settings: Settings | None = None,
+        rng: int | np.random.Generator | RandomKey = 0,
+        own_frame: bool = False,
+        watch: Watcher | None = None,
+    ) -> None:
+        self.settings = settings or Settings()
+        self.raster = _raster(plan, self.settings)
+        self.estimate = Estimate(0.0)
+        self.belief: Belief | None = None
+        self._key = as_key(rng)
+        self._own_frame = own_frame
+        self._watch = watch
+        self._step = 0
+        self._heading: float | None = None
+        self._waiting: list[Move] = []
+        if self.settings.start.source == "uniform":
+            self._begin(start_everywhere(self.raster, self._n, self._key.child(_START)))
+
+    def observe(self, scan: Scan, at_m: FloatArray | None = None) -> Estimate:
+        """Take a scan: the first one starts the search.
+
+        Parameters
+        ----------
+        scan : Scan
+        at_m : array_like (2,), optional
+            Where the phone is now, in the odom frame; the scan's position when left out.
+        """
+        if self.settings.start.source != "scan":
+            return self.estimate
+        return self.start(locate(self.raster, scan, self.settings), scan, at_m)
+
+    def start(self, candidates: Candidates, scan: Scan, at_m: FloatArray | None = None) -> Estimate:
+        """Start from candidates that were found before; see `observe`."""
+        particles = start_from(candidates, self._n, self._key.child(_START), self._own_frame)
+        if at_m is not None:
+            particles = _shifted(particles, np.asarray(at_m) - scan.position_m)
+        return self._begin(particles)
+
+    def move(self, move: Move) -> Estimate:
+        """Take one move of the odometry and return where that leads."""
+        if move.time_s < self.estimate.time_s:
+            raise InputError(
+                "move", expected=f"a time from {self.estimate.time_s:g} s on",
+                got=f"{move.time_s:g} s", fix="send the moves in order",
+            )  # fmt: skip
+        if self.settings.start.source == "uniform-ori" and self.belief is None:
+            return self._wait(move)
+        return self._take(move)
+
+    @property
+    def _n(self) -> int:
+        return self.settings.start.n_particles
+
+    def _begin(self, particles: Particles) -> Estimate:
+        self.belief = Belief(particles)
+        self.estimate = summarize(self.belief, self.estimate.time_s, self._heading)
+        return self.estimate
+
+    def _take(self, move: Move) -> Estimate:
+        self._step += 1
+        if move.length_m > HEADING_MOVE_M:
+            self._heading = float(np.arctan2(move.dy_m, move.dx_m))
+        if self.belief is None:
+            self.estimate = Estimate(move.time_s)
+            return self.estimate
+        key = self._key.child(self._step)
+        particles, info = advance(
+            self.belief.particles, move, self.raster, self.settings.motion, key
+        )
+        self.belief = settle(self.belief, particles, move, self.settings.convergence, key)
+        self.estimate = summarize(self.belief, move.time_s, self._heading)
+        if self._watch is not None:
+            self._watch(self.estimate, self.belief, info)
+        return self.estimate
+
+    def _wait(self, move: Move) -> Estimate:
+        """Uniform + Ori: theta needs the first few moves (paper IV-B); then replay them."""
+        self._waiting.append(move)
+        self.estimate = Estimate(move.time_s)
+        if len(self._waiting) < self.settings.start.orientation_moves:
+            return self.estimate
+        steps = np.array([[[0.0, 0.0], [m.dx_m, m.dy_m]] for m in self._waiting])
+        theta = smallest_alignment(
+            principal_orientation(steps), principal_orientation(self.raster.plan.segments_m)
+        )
+        self.estimate = replace(self.estimate, time_s=0.0)
+        self._begin(
+            start_everywhere(self.raster, self._n, self._key.child(_START), candidate_drifts(theta))
+        )
+        for waiting in self._waiting:
+            self._take(waiting)
+        self._waiting.clear()
+        return self.estimate
+
+
+def _raster(plan: FloorPlan | PlanRaster, settings: Settings) -> PlanRaster:
+    return plan if isinstance(plan, PlanRaster) else rasterize(plan, settings.raster)
+
+
+def _shifted(particles: Particles, by_odom_m: FloatArray) -> Particles:
+    """Carry particles from the scan's position to where the walk begins."""
+    if not by_odom_m.any():
+        return particles
+    c, s = np.cos(particles.drift_rad), np.sin(particles.drift_rad)
+    dx, dy = by_odom_m
+    offset = np.stack([c * dx - s * dy, s * dx + c * dy], axis=1)
+    return replace(particles, position_m=particles.position_m + offset)

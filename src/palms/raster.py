@@ -1,0 +1,195 @@
+"""PlanRaster: a floor plan as cells to match against and as walls to meet."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy.fft
+from scipy import ndimage
+
+from palms._compiled import filter as loops
+from palms._compiled import raster as cells
+from palms.errors import InputError
+from palms.floorplan import FloorPlan
+from palms.geometry import FloatArray, as_readonly
+from palms.grid import Grid
+from palms.settings import RasterSettings
+
+__all__ = ["PlanRaster", "rasterize"]
+
+BUCKET_CELLS = 5  # ours: buckets of half a metre hold two to four walls indoors
+HALF_CELLS = 255  # clearance is kept in half cells, in a byte
+SLACK_M = 1e-6  # buckets overlap by this, so that rounding loses no wall
+
+
+@dataclass(frozen=True)
+class PlanRaster:
+    """A floor plan, rasterised once and used by every match and every move.
+
+    Parameters
+    ----------
+    plan : FloorPlan
+        Where it comes from.
+    grid : Grid
+        Its cells.
+    density : (R, C) float32
+        Cells' worth of wall in each cell, weighted by class: the bitmap of paper III-B, but
+        smooth, so that a wall shifted by half a cell gives half of the change.
+    walls : Walls
+        What the particle loops need to know where moves end.
+
+    Examples
+    --------
+    >>> square = [[[0, 0], [4, 0]], [[4, 0], [4, 4]], [[4, 4], [0, 4]], [[0, 4], [0, 0]]]
+    >>> raster = rasterize(FloorPlan(square))
+    >>> raster.grid.shape, bool(raster.inside[30, 30]), bool(raster.inside[2, 2])
+    ((60, 60), True, False)
+    """
+
+    plan: FloorPlan
+    grid: Grid
+    density: npt.NDArray[np.float32]
+    walls: loops.Walls
+    settings: RasterSettings
+    _spectra: dict[tuple[int, ...], npt.NDArray[np.complex64]] = field(
+        default_factory=dict, repr=False, compare=False
+    )
+
+    @cached_property
+    def inside(self) -> npt.NDArray[np.bool_]:
+        """Cells (R, C) inside the building, walls included.
+
+        The plan's outline where it has one; else what the walls enclose once gaps of up to
+        twice `closing_m` are closed; else, for a plan with wider gaps, the walls' hull.
+        """
+        if self.plan.outline_m is not None:
+            return _within(self.plan.outline_m, self.grid)
+        closed = _enclosed(self.density > 0, self.settings.closing_m / self.grid.cell_size_m)
+        hull = _within(_hull(self.plan.segments_m), self.grid)
+        return closed if closed.sum() >= 0.5 * hull.sum() else hull
+
+    def blocked(self, start_m: npt.ArrayLike, end_m: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+        """Whether each move from start (N, 2) to end (N, 2) touches a wall or leaves the plan.
+
+        Exact along the whole move, whatever its length; standing still is never blocked.
+        """
+        start = np.ascontiguousarray(start_m, dtype=np.float64).reshape(-1, 2)
+        end = np.ascontiguousarray(end_m, dtype=np.float64).reshape(-1, 2)
+        out = np.empty(len(start), np.bool_)
+        loops.blocked(self.walls, start, end, out)
+        return out
+
+    def spectrum(self, shape: tuple[int, int], offset: int) -> npt.NDArray[np.complex64]:
+        """Fourier transform of `density`, set off by some zeros and padded to `shape`; cached."""
+        key = (*shape, offset)
+        if key not in self._spectra:
+            padded = np.zeros(shape, np.float32)
+            rows, columns = self.grid.shape
+            padded[offset : offset + rows, offset : offset + columns] = self.density
+            self._spectra[key] = scipy.fft.rfft2(padded)
+        return self._spectra[key]
+
+
+def rasterize(plan: FloorPlan, settings: RasterSettings | None = None) -> PlanRaster:
+    """Turn a floor plan into cells (paper III-B, "rasterizing these segments into bitmaps").
+
+    Parameters
+    ----------
+    plan : FloorPlan
+    settings : RasterSettings, optional
+
+    Raises
+    ------
+    InputError
+        When it would take more cells than the settings allow.
+    """
+    settings = settings or RasterSettings()
+    grid = _grid(plan, settings)
+    by_class = np.array(
+        [settings.wall_weight, settings.door_weight, settings.opening_weight, settings.glass_weight]
+    )
+    density = _density(plan.segments_m, by_class[plan.classes], grid)
+    np.minimum(density, np.sqrt(2), out=density)  # no cell holds more than one straight wall
+    density.setflags(write=False)
+    return PlanRaster(plan, grid, density, _walls(plan.blocking_m, grid), settings)
+
+
+def _grid(plan: FloorPlan, settings: RasterSettings) -> Grid:
+    low, high = plan.bounds_m
+    width, height = (high - low) + 2 * settings.margin_m
+    cells_needed = width * height / settings.cell_size_m**2
+    if cells_needed > settings.max_cells:
+        enough = float(np.ceil(100 * np.sqrt(width * height / settings.max_cells)) / 100)
+        raise InputError(
+            f"floor plan {plan.name}",
+            expected=f"at most {settings.max_cells:,} cells",
+            got=f"{width:.4g} x {height:.4g} m, {cells_needed:,.0f} cells of "
+            f"{settings.cell_size_m:g} m",
+            fix=f"use a cell size of {enough:g} m, crop the plan, or check its unit",
+        )
+    return Grid.covering(low - settings.margin_m, high + settings.margin_m, settings.cell_size_m)
+
+
+def _flat(segments_m: FloatArray, grid: Grid) -> FloatArray:
+    """Segments (N, 4) relative to the grid's corner."""
+    return np.ascontiguousarray((segments_m - grid.origin_m).reshape(-1, 4))
+
+
+def _density(segments_m: FloatArray, weights: FloatArray, grid: Grid) -> npt.NDArray[np.float32]:
+    out = np.zeros(grid.shape, np.float32)
+    cells.add_lengths(_flat(segments_m, grid), weights, grid.cell_size_m, out)
+    return out
+
+
+def _walls(blocking_m: FloatArray, grid: Grid) -> loops.Walls:
+    cell = grid.cell_size_m
+    on_wall = _density(blocking_m, np.ones(len(blocking_m)), grid) > 0
+    clearance = ndimage.distance_transform_edt(~on_wall) if on_wall.any() else np.zeros(grid.shape)
+    bucket = BUCKET_CELLS * cell
+    shape = as_readonly([-(-n // BUCKET_CELLS) for n in grid.shape], np.int64)
+    start, items = cells.bucket_segments(
+        _flat(blocking_m, grid), bucket, int(shape[0]), int(shape[1]), SLACK_M
+    )
+    return loops.Walls(
+        as_readonly(blocking_m.reshape(-1, 4)),
+        as_readonly(np.minimum(np.floor(2 * clearance), HALF_CELLS), np.uint8),
+        grid.origin_m, cell, bucket, shape, start, items,
+    )  # fmt: skip
+
+
+def _within(outline_m: FloatArray, grid: Grid) -> npt.NDArray[np.bool_]:
+    import shapely
+
+    polygon = shapely.make_valid(shapely.Polygon(outline_m))
+    shapely.prepare(polygon)
+    rows, columns = np.indices(grid.shape)
+    centres = grid.position_of(np.stack([rows, columns], axis=-1))
+    mask: npt.NDArray[np.bool_] = shapely.contains_xy(polygon, centres[..., 0], centres[..., 1])
+    mask.setflags(write=False)
+    return mask
+
+
+def _hull(segments_m: FloatArray) -> FloatArray:
+    import shapely
+
+    points: Any = shapely.MultiPoint(segments_m.reshape(-1, 2))
+    hull = shapely.concave_hull(points, ratio=0.3)
+    if hull.geom_type != "Polygon":
+        hull = points.buffer(0.5).convex_hull
+    return np.asarray(hull.exterior.coords)
+
+
+def _enclosed(walls: npt.NDArray[np.bool_], radius: float) -> npt.NDArray[np.bool_]:
+    """Return what walls enclose after morphological closing by a disc of `radius` cells."""
+    pad = int(np.ceil(radius)) + 2
+    padded = np.pad(walls, pad)
+    grown = ndimage.distance_transform_edt(~padded) <= radius
+    filled = ndimage.binary_fill_holes(grown)
+    shrunk = ndimage.distance_transform_edt(filled) > radius
+    mask: npt.NDArray[np.bool_] = np.ascontiguousarray((shrunk | padded)[pad:-pad, pad:-pad])
+    mask.setflags(write=False)
+    return mask
