@@ -189,7 +189,7 @@ def find_candidates(heatmaps: Heatmaps, settings: CandidateSettings | None = Non
     wanted = cells_total - int(np.ceil(settings.quantile * (cells_total - 1)))
     kept = [_top(scores, wanted, k) for k, scores in enumerate(heatmaps)]
     if settings.per_map:
-        index, score, label = (np.concatenate(parts) for parts in zip(*kept, strict=True))
+        index, score, label = _joined(kept)
         weight = 1.0 / (len(heatmaps) * np.bincount(label, minlength=len(heatmaps))[label])
     else:
         index, score, label = kept[0]
@@ -215,8 +215,16 @@ def _top(scores: Scores, wanted: int, k: int) -> _Kept:
     return index, flat[index], np.full(len(index), k, np.int32)
 
 
+def _joined(parts: list[_Kept]) -> _Kept:
+    return (
+        np.concatenate([index for index, _, _ in parts]),
+        np.concatenate([score for _, score, _ in parts]),
+        np.concatenate([label for _, _, label in parts]),
+    )
+
+
 def _merge(a: _Kept, b: _Kept, wanted: int) -> _Kept:
-    index, score, label = (np.concatenate(pair) for pair in zip(a, b, strict=True))
+    index, score, label = _joined([a, b])
     if len(score) > wanted:
         keep = score >= select.nth_largest(score, wanted)
         index, score, label = index[keep], score[keep], label[keep]

@@ -93,7 +93,7 @@ class Particles:
 
     def label_shares(self) -> FloatArray:
         """Share of the weight that each label holds."""
-        return np.bincount(self.label, self.weight)
+        return np.asarray(np.bincount(self.label, self.weight), dtype=np.float64)
 
 
 class MoveInfo(NamedTuple):

@@ -150,15 +150,15 @@ def _walls(blocking_m: FloatArray, grid: Grid) -> loops.Walls:
     on_wall = _density(blocking_m, np.ones(len(blocking_m)), grid) > 0
     clearance = ndimage.distance_transform_edt(~on_wall) if on_wall.any() else np.zeros(grid.shape)
     bucket = BUCKET_CELLS * cell
-    shape = as_readonly([-(-n // BUCKET_CELLS) for n in grid.shape], np.int64)
-    start, items = cells.bucket_segments(
-        _flat(blocking_m, grid), bucket, int(shape[0]), int(shape[1]), SLACK_M
-    )
+    rows, columns = (-(-n // BUCKET_CELLS) for n in grid.shape)
+    start, items = cells.bucket_segments(_flat(blocking_m, grid), bucket, rows, columns, SLACK_M)
     return loops.Walls(
         as_readonly(blocking_m.reshape(-1, 4)),
         as_readonly(np.minimum(np.floor(2 * clearance), HALF_CELLS), np.uint8),
-        grid.origin_m, cell, bucket, shape, start, items,
-    )  # fmt: skip
+        as_readonly(start, np.int32),
+        as_readonly(items, np.int32),
+        as_readonly([*grid.origin_m, 1 / cell, 1 / bucket, rows, columns]),
+    )
 
 
 def _within(outline_m: FloatArray, grid: Grid) -> npt.NDArray[np.bool_]:

@@ -149,4 +149,5 @@ def _frame(
 
 def _range_m(grid: Grid) -> FloatArray:
     rows, columns = np.indices(grid.shape)
-    return np.linalg.norm(grid.position_of(np.stack([rows, columns], axis=-1)), axis=-1)
+    centres = grid.position_of(np.stack([rows, columns], axis=-1))
+    return np.asarray(np.linalg.norm(centres, axis=-1))

@@ -170,7 +170,7 @@ def heaviest_places(points, weight, radius, n_places):
     place (N,): the spot each particle belongs to, or -1; shares (n_places,), 0 when unused.
     """
     n = points.shape[0]
-    left, bottom, rows, columns, start, order = _binned(points, radius)
+    _left, _bottom, rows, columns, start, order = _binned(points, radius)
     mass = np.zeros(rows * columns)
     for b in range(rows * columns):
         for k in range(start[b], start[b + 1]):

@@ -30,6 +30,7 @@ SPREAD = np.uint64(0xD1342543DE82EF95)
 MIX_1, MIX_2 = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 S11, S27, S30, S31 = np.uint64(11), np.uint64(27), np.uint64(30), np.uint64(31)
 LOW_7 = np.uint64(127)
+SLACK_CELLS = 3.0  # both ends may lie off their cell's centre, and walls off theirs
 TOUCH_M = 1e-9  # a move that comes this near to a wall touches it
 
 
@@ -42,47 +43,41 @@ class Walls(NamedTuple):
         Blocking segments x0, y0, x1, y1.
     clearance : (R, C) uint8
         Distance from a cell to the nearest cell with a wall, in half cells, at most 255.
-    origin : (2,) float64
-        Lower left corner of `clearance` and of the buckets.
-    cell, bucket : float
-        Sides of a cell and of a bucket.
-    shape : (2,) int64
-        Rows and columns of buckets.
     start, items : int32
         Bucket b holds the segments items[start[b]:start[b + 1]].
+    frame : (6,) float64
+        x and y of the lower left corner of cells and buckets, cells per metre, buckets per
+        metre, rows and columns of buckets.
     """
 
     segments: np.ndarray
     clearance: np.ndarray
-    origin: np.ndarray
-    cell: float
-    bucket: float
-    shape: np.ndarray
     start: np.ndarray
     items: np.ndarray
+    frame: np.ndarray
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _mixed(x):
     x = (x ^ (x >> S30)) * MIX_1
     x = (x ^ (x >> S27)) * MIX_2
     return x ^ (x >> S31)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _stream(key, i):
     """First state of particle i's stream (SplitMix64; Steele, Lea, Flood 2014)."""
     return _mixed(key + np.uint64(i + 1) * SPREAD)
 
 
-@njit(cache=True, nogil=True, inline="always")
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _uniform(state):
     """Return a number in [0, 1) and the next state."""
     state = state + GAMMA
     return float(_mixed(state) >> S11) * 1.1102230246251565e-16, state
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _normal(state):
     """Return a standard normal number and the next state (Doornik 2005, ZIGNOR)."""
     while True:
@@ -108,7 +103,7 @@ def _normal(state):
             return x, state
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def normals(key, n, out):
     """Fill out (N, n): row i holds the first n normal numbers of particle i."""
     for i in range(out.shape[0]):
@@ -117,7 +112,7 @@ def normals(key, n, out):
             out[i, k], state = _normal(state)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def uniforms(key, n, out):
     """Fill out (N, n): row i holds the first n uniform numbers of particle i."""
     for i in range(out.shape[0]):
@@ -126,7 +121,7 @@ def uniforms(key, n, out):
             out[i, k], state = _uniform(state)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def _meets(s, i, x0, y0, x1, y1):
     """Whether a move touches segment i."""
     ax, ay, bx, by = s[i, 0], s[i, 1], s[i, 2], s[i, 3]
@@ -150,13 +145,13 @@ def _meets(s, i, x0, y0, x1, y1):
     return not ((o3 > near and o4 > near) or (o3 < -near and o4 < -near))
 
 
-@njit(cache=True, nogil=True)
-def _meets_any(walls, x0, y0, x1, y1):
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+def _meets_any(segments, start, items, frame, x0, y0, x1, y1):
     """Whether a move touches a wall, bucket by bucket along it (Amanatides and Woo 1987)."""
-    rows, columns = walls.shape[0], walls.shape[1]
-    u0, v0 = (x0 - walls.origin[0]) / walls.bucket, (y0 - walls.origin[1]) / walls.bucket
-    du = (x1 - x0) / walls.bucket
-    dv = (y1 - y0) / walls.bucket
+    rows, columns = int(frame[4]), int(frame[5])
+    u0, v0 = (x0 - frame[0]) * frame[3], (y0 - frame[1]) * frame[3]
+    du = (x1 - x0) * frame[3]
+    dv = (y1 - y0) * frame[3]
     c, r = int(math.floor(u0)), int(math.floor(v0))
     step_c = 1 if du > 0 else -1
     step_r = 1 if dv > 0 else -1
@@ -172,8 +167,8 @@ def _meets_any(walls, x0, y0, x1, y1):
     while t <= 1.0:
         if 0 <= r < rows and 0 <= c < columns:
             b = r * columns + c
-            for k in range(walls.start[b], walls.start[b + 1]):
-                if _meets(walls.segments, walls.items[k], x0, y0, x1, y1):
+            for k in range(start[b], start[b + 1]):
+                if _meets(segments, items[k], x0, y0, x1, y1):
                     return True
         if next_c <= next_r:
             t = next_c
@@ -186,35 +181,46 @@ def _meets_any(walls, x0, y0, x1, y1):
     return False
 
 
-@njit(cache=True, nogil=True)
-def _blocked(walls, x0, y0, x1, y1):
-    """Whether a move touches a wall or leaves the raster; standing still does neither."""
-    dx, dy = x1 - x0, y1 - y0
-    length = math.sqrt(dx * dx + dy * dy)
-    if length == 0.0:
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _far_from_walls(clearance, frame, x0, y0, x1, y1):
+    """Whether both ends lie so far from any wall that none can stand between them."""
+    rows, columns = clearance.shape
+    c0 = int(math.floor((x0 - frame[0]) * frame[2]))
+    r0 = int(math.floor((y0 - frame[1]) * frame[2]))
+    c1 = int(math.floor((x1 - frame[0]) * frame[2]))
+    r1 = int(math.floor((y1 - frame[1]) * frame[2]))
+    if min(c0, r0, c1, r1) < 0 or max(c0, c1) >= columns or max(r0, r1) >= rows:
         return False
-    rows, columns = walls.clearance.shape
-    c0 = int(math.floor((x0 - walls.origin[0]) / walls.cell))
-    r0 = int(math.floor((y0 - walls.origin[1]) / walls.cell))
-    c1 = int(math.floor((x1 - walls.origin[0]) / walls.cell))
-    r1 = int(math.floor((y1 - walls.origin[1]) / walls.cell))
+    dx, dy = x1 - x0, y1 - y0
+    room = 0.5 * (float(clearance[r0, c0]) + float(clearance[r1, c1]))
+    return room > math.sqrt(dx * dx + dy * dy) * frame[2] + SLACK_CELLS
+
+
+@njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
+def _blocked(segments, clearance, start, items, frame, x0, y0, x1, y1):
+    """Whether a move touches a wall or leaves the raster; standing still does neither."""
+    if x0 == x1 and y0 == y1:
+        return False
+    rows, columns = clearance.shape
+    c1 = math.floor((x1 - frame[0]) * frame[2])
+    r1 = math.floor((y1 - frame[1]) * frame[2])
     if not (0 <= c1 < columns and 0 <= r1 < rows):
         return True
-    if 0 <= c0 < columns and 0 <= r0 < rows:
-        room = 0.5 * (float(walls.clearance[r0, c0]) + float(walls.clearance[r1, c1]))
-        if room > length / walls.cell + 3.0:
-            return False
-    return _meets_any(walls, x0, y0, x1, y1)
+    return _meets_any(segments, start, items, frame, x0, y0, x1, y1)
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def blocked(walls, start, end, out):
     """Fill out (N,): whether the move from start (N, 2) to end (N, 2) is blocked."""
+    segments, clearance, first, items, frame = walls
     for i in range(start.shape[0]):
-        out[i] = _blocked(walls, start[i, 0], start[i, 1], end[i, 0], end[i, 1])
+        x0, y0, x1, y1 = start[i, 0], start[i, 1], end[i, 0], end[i, 1]
+        out[i] = not _far_from_walls(clearance, frame, x0, y0, x1, y1) and _blocked(
+            segments, clearance, first, items, frame, x0, y0, x1, y1
+        )
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def move(position, drift, scale, step, noise, key, walls, new_position, new_drift, hit):
     """Move every particle by one step of the odometry; return how many hit a wall.
 
@@ -223,6 +229,7 @@ def move(position, drift, scale, step, noise, key, walls, new_position, new_drif
     step : (dx, dy) in the odom frame.
     noise : standard deviations along the move, across it, and of the drift.
     """
+    segments, clearance, start, items, frame = walls
     dx, dy = step
     along, across, turning = noise
     length = math.sqrt(dx * dx + dy * dy)
@@ -241,18 +248,21 @@ def move(position, drift, scale, step, noise, key, walls, new_position, new_drif
         x0, y0 = position[i, 0], position[i, 1]
         x1, y1 = x0 + c * sx - s * sy, y0 + s * sx + c * sy
         new_position[i, 0], new_position[i, 1], new_drift[i] = x1, y1, angle
-        hit[i] = _blocked(walls, x0, y0, x1, y1)
+        hit[i] = not _far_from_walls(clearance, frame, x0, y0, x1, y1) and _blocked(
+            segments, clearance, start, items, frame, x0, y0, x1, y1
+        )
         n_hit += hit[i]
     return n_hit
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def replace_hits(position, drift, scale, label, hit, spread, key, walls):
     """Replace, in place, each particle that hit by a copy of a random survivor.
 
     The copy's place is jittered by spread[0] without crossing a wall, its drift by
     spread[1]. With no survivor nothing changes.
     """
+    segments, clearance, start, items, frame = walls
     n = position.shape[0]
     survivors = np.empty(n, np.int32)
     m = 0
@@ -274,7 +284,7 @@ def replace_hits(position, drift, scale, label, hit, spread, key, walls):
             z0, state = _normal(state)
             z1, state = _normal(state)
             x, y = x0 + spread[0] * z0, y0 + spread[0] * z1
-            if not _blocked(walls, x0, y0, x, y):
+            if not _blocked(segments, clearance, start, items, frame, x0, y0, x, y):
                 x1, y1 = x, y
                 break
         z0, state = _normal(state)
@@ -283,7 +293,7 @@ def replace_hits(position, drift, scale, label, hit, spread, key, walls):
         scale[i], label[i] = scale[j], label[j]
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def systematic(weights, n, u, out):
     """Fill out (n,) with indices drawn by systematic resampling at offset u in [0, 1)."""
     total = 0.0
@@ -300,7 +310,7 @@ def systematic(weights, n, u, out):
         out[k] = j
 
 
-@njit(cache=True, nogil=True)
+@njit(cache=True, nogil=True, error_model="numpy")
 def place(cells, drifts, index, cell, origin, key, position, drift):
     """Place particles uniformly within cells (C, 2), each with its cell's drift."""
     for i in range(index.shape[0]):

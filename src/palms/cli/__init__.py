@@ -1,1 +1,15 @@
-"""."""
+"""The command ``palms``: one file per command; what they share has a leading underscore.
+
+Nothing heavy is imported before a command needs it, so that ``palms --help`` is quick.
+"""
+
+from __future__ import annotations
+
+__all__ = ["main"]
+
+
+def main() -> None:
+    """Run the command; the entry point of the package."""
+    from palms.cli.app import app
+
+    app(prog_name="palms")

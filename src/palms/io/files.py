@@ -10,26 +10,17 @@ import contextlib
 import json
 import os
 import secrets
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
 from palms.errors import FormatError, InputError, OutputError
-from palms.geometry import FloatArray, check_finite
+from palms.io.values import StrPath, brief
 
 __all__ = [
     "MAX_BYTES",
     "StrPath",
-    "brief",
-    "check_array",
     "head",
-    "locating",
     "make_folder",
-    "null_for_nan",
-    "parse_number",
     "read_json",
     "read_text",
     "remove_stale",
@@ -37,8 +28,6 @@ __all__ = [
     "write_json",
     "write_text",
 ]
-
-StrPath = str | os.PathLike[str]
 
 MAX_BYTES = 200_000_000  # ours: a hundred times the largest plan or walk we know
 _HEAD_BYTES = 65_536
@@ -51,18 +40,6 @@ _MAGIC = (
     (b"\xff\xfe", "text in UTF-16"),
     (b"\xfe\xff", "text in UTF-16"),
 )
-
-
-def brief(value: object, width: int = 40) -> str:
-    """Show a value of a file in a message, cut to `width` characters.
-
-    Examples
-    --------
-    >>> brief("a very long cell indeed", 12)
-    "'a very l..."
-    """
-    text = repr(value)
-    return text if len(text) <= width else text[: width - 3] + "..."
 
 
 def head(path: StrPath, size: int = _HEAD_BYTES) -> bytes:
@@ -158,10 +135,6 @@ def read_text(path: StrPath, expected: str = "text") -> str:
     palms.errors.InputError: no/such/file.csv: expected a file, got nothing there; check the ...
     """
     content = _read_bytes(path)
-    if not content.strip():
-        raise FormatError(
-            str(path), expected=expected, got="an empty file", fix="export or record it again"
-        )
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -170,6 +143,10 @@ def read_text(path: StrPath, expected: str = "text") -> str:
         raise FormatError(
             str(path), expected=expected, got=got, fix="save it as text in UTF-8"
         ) from None
+    if not text.strip():
+        raise FormatError(
+            str(path), expected=expected, got="an empty file", fix="export or record it again"
+        )
     if "\x00" in text:
         raise FormatError(
             str(path), expected=expected, got=sniff(content), fix="check that it is the right file"
@@ -220,62 +197,6 @@ def read_json(path: StrPath, expected: str = "JSON") -> Any:  # noqa: ANN401
         raise FormatError(
             str(path), expected=expected, got=f"JSON that cannot be read ({brief(str(error), 60)})"
         ) from None
-
-
-def parse_number(cell: str) -> float | None:
-    """Return the number in a cell of a text file, None when it holds none.
-
-    Examples
-    --------
-    >>> parse_number(' "1.5" '), parse_number("wall"), parse_number("1_0")
-    (1.5, None, None)
-    """
-    text = cell.strip().strip("\"'").strip()
-    if "_" in text:
-        return None
-    try:
-        return float(text)
-    except ValueError:
-        return None
-
-
-def check_array(values: object, what: str, shape: tuple[int | None, ...]) -> FloatArray:
-    """Return numbers of a file as `palms.geometry.check_finite` does, as a FormatError.
-
-    Examples
-    --------
-    >>> check_array([[1, 2], [3]], "walk.json: ARKit_raw_2D", (None, 2))
-    Traceback (most recent call last):
-    palms.errors.FormatError: walk.json: ARKit_raw_2D: expected numbers of shape (N, 2), got ...
-    """
-    try:
-        return check_finite(values, what, shape)  # type: ignore[arg-type]
-    except InputError as error:
-        raise FormatError(str(error)) from None
-    except (OverflowError, RecursionError) as error:
-        raise FormatError(what, expected="finite numbers", got=brief(str(error))) from None
-
-
-@contextlib.contextmanager
-def locating(path: StrPath) -> Iterator[None]:
-    """Put the name of the file before what a value says of its content.
-
-    Overflow in the checks of absurd numbers is silent; the checks themselves speak.
-
-    Examples
-    --------
-    >>> with locating("plan.csv"):
-    ...     raise InputError("floor plan", expected="a wall", got="none")
-    Traceback (most recent call last):
-    palms.errors.FormatError: plan.csv: floor plan: expected a wall, got none
-    """
-    try:
-        with np.errstate(all="ignore"):
-            yield
-    except FormatError:
-        raise
-    except InputError as error:
-        raise FormatError(f"{path}: {error}") from None
 
 
 def _output_error(path: StrPath, error: Exception) -> OutputError:
@@ -345,7 +266,7 @@ def write_json(path: StrPath, value: object) -> None:
     --------
     >>> write_json("track.json", {"x_m": float("nan")})
     Traceback (most recent call last):
-    palms.errors.OutputError: track.json: expected finite numbers, got ...
+    palms.errors.OutputError: track.json: expected finite numbers, text, lists, got ...
     """
     try:
         text = json.dumps(value, allow_nan=False, ensure_ascii=False)
@@ -399,16 +320,3 @@ def remove_stale(path: StrPath) -> None:
         Path(path).unlink(missing_ok=True)
     except (OSError, ValueError) as error:
         raise _output_error(path, error) from None
-
-
-def null_for_nan(values: npt.ArrayLike) -> list[Any]:
-    """Return nested lists for JSON, with None in place of NaN.
-
-    Examples
-    --------
-    >>> null_for_nan([1.0, float("nan")])
-    [1.0, None]
-    """
-    array = np.asarray(values, dtype=np.float64)
-    listed: list[Any] = np.where(np.isnan(array), None, array.astype(object)).tolist()
-    return listed

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from palms.errors import FormatError
 from palms.geometry import FloatArray, check_finite, wrap_angle
-from palms.io.files import StrPath, brief, locating, parse_number, read_text, write_text
+from palms.io.files import read_text, write_text
+from palms.io.values import StrPath, brief, locating, parse_number
 
 __all__ = ["Label", "read_label", "write_label"]
 
@@ -42,7 +43,7 @@ class Label:
 
     def __post_init__(self) -> None:
         position = check_finite(self.position_m, "the label's position", (2,))
-        drift = float(check_finite(self.drift_rad, "the label's drift", ()))
+        drift = float(check_finite([self.drift_rad], "the label's drift", (1,))[0])
         if not -math.pi < drift <= math.pi:
             drift = float(wrap_angle(drift))
         object.__setattr__(self, "position_m", position)

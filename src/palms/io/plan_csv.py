@@ -18,21 +18,9 @@ import numpy as np
 from palms.errors import FormatError, PalmsWarning
 from palms.floorplan import FloorPlan, Room, SegmentClass
 from palms.geometry import FloatArray
-from palms.io.files import (
-    StrPath,
-    brief,
-    check_array,
-    head,
-    locating,
-    parse_number,
-    read_json,
-    read_text,
-    remove_stale,
-    sniff,
-    write_json,
-    write_text,
-)
+from palms.io.files import head, read_json, read_text, remove_stale, sniff, write_json, write_text
 from palms.io.registry import Format
+from palms.io.values import StrPath, brief, check_array, locating, parse_number
 
 __all__ = ["FORMAT", "plan_name", "read_plan_csv", "rooms_path", "write_plan_csv"]
 
@@ -81,7 +69,7 @@ def _cells(line: str) -> list[str]:
 
 
 def _rows(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Number and cells of each line that is neither blank nor the header."""
+    """Yield number and cells of each line that is neither blank nor the header."""
     first = True
     for number, line in enumerate(re.split(r"\r\n|\r|\n", text), start=1):
         if not line.strip():
@@ -181,9 +169,7 @@ def read_plan_csv(path: StrPath) -> FloorPlan:
     sidecar = rooms_path(path)
     extras = _read_sidecar(sidecar) if sidecar.is_file() else {}
     with locating(path):
-        return FloorPlan(
-            segments[has_length], classes[has_length], name=plan_name(path), **extras
-        )
+        return FloorPlan(segments[has_length], classes[has_length], name=plan_name(path), **extras)
 
 
 def _read_sidecar(path: Path) -> dict[str, Any]:

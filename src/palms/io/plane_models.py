@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from palms.errors import FormatError
-from palms.io.files import brief
+from palms.io.values import brief
 
 __all__ = ["HistoryPlane", "OlderPlane", "parse_plane"]
 
@@ -76,7 +76,7 @@ def parse_plane(plane: dict[str, Any], what: str) -> HistoryPlane | OlderPlane:
     --------
     >>> parse_plane({"planeCenter": [0, 0, 0], "planeExtent": [1, 2, 0]}, "a.json plane 0")
     Traceback (most recent call last):
-    palms.errors.FormatError: a.json plane 0, anchorTransform: expected a 4x4 matrix..., got nothing
+    palms.errors.FormatError: a.json plane 0, anchorTransform: expected a 4x4 matrix as nested ...
     """
     older = "planeCenter" in plane and "centers" not in plane
     try:

@@ -16,25 +16,15 @@ import numpy as np
 
 from palms.errors import FormatError, InputError
 from palms.geometry import FloatArray, lengths
-from palms.io.files import (
-    StrPath,
-    brief,
-    check_array,
-    head,
-    locating,
-    make_folder,
-    null_for_nan,
-    read_json,
-    remove_stale,
-    write_json,
-)
+from palms.io.files import head, make_folder, read_json, remove_stale, write_json
 from palms.io.registry import Format
+from palms.io.values import StrPath, brief, check_array, check_number, locating, null_for_nan
 from palms.scan import Scan
 
 if TYPE_CHECKING:
     from palms.io.plane_models import HistoryPlane, OlderPlane
 
-__all__ = ["FORMAT", "read_scan_json", "session_of", "write_scan_json"]
+__all__ = ["FORMAT", "read_scan_json", "scan_time_s", "session_of", "write_scan_json"]
 
 PLANES_FILE = "detectedPlanes.json"
 VERTICAL = 1  # planeAlignment of a wall
@@ -112,6 +102,18 @@ def read_scan_json(path: StrPath) -> Scan:
         extras |= _read_sidecar(sidecar)
     with locating(planes):
         return Scan(walls, **extras)
+
+
+def scan_time_s(folder: StrPath) -> float:
+    """Return when the scan of a session's folder was taken; 0 when it does not say.
+
+    Examples
+    --------
+    >>> scan_time_s("Session_7")
+    0.0
+    """
+    sidecar = _sidecar(Path(folder) / PLANES_FILE)
+    return float(_read_sidecar(sidecar).get("time_s", 0.0)) if sidecar.is_file() else 0.0
 
 
 def _walls(listed: object, path: Path) -> FloatArray:
@@ -195,7 +197,7 @@ def _read_sidecar(path: Path) -> dict[str, Any]:
         )
     found: dict[str, Any] = {}
     if content.get("t_s") is not None:
-        found["time_s"] = float(check_array(content["t_s"], f"{path}: t_s", ()))
+        found["time_s"] = check_number(content["t_s"], f"{path}: t_s")
     if content.get("position_m") is not None:
         found["position_m"] = check_array(content["position_m"], f"{path}: position_m", (2,))
     if content.get("coverage_m") is not None:

@@ -20,11 +20,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from palms.errors import InputError, PalmsError, PalmsWarning
-from palms.io.files import StrPath, head, sniff
+from palms.io.files import head, sniff
+from palms.io.values import StrPath
 
 if TYPE_CHECKING:
     from palms.floorplan import FloorPlan
-    from palms.io.tracking import RecordedWalk
+    from palms.io.walk import RecordedWalk
     from palms.scan import Scan
 
 __all__ = [
@@ -227,8 +228,8 @@ def _read(group: str, path: StrPath, name: str | None, options: dict[str, Any]) 
         ) from None
 
 
-def read_floorplan(path: StrPath, *, format: str | None = None, **options: Any) -> FloorPlan:  # noqa: A002, ANN401
-    """Read a floor plan of any known format.
+def read_floorplan(path: StrPath, *, format: str | None = None, **options: Any) -> FloorPlan:  # noqa: ANN401
+    r"""Read a floor plan of any known format.
 
     Parameters
     ----------
@@ -249,7 +250,7 @@ def read_floorplan(path: StrPath, *, format: str | None = None, **options: Any) 
     >>> import tempfile
     >>> from palms.io.files import write_text
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_text(f"{folder}/hall.csv", "0,0,8,0\\n8,0,8,5\\n")
+    ...     write_text(f"{folder}/hall.csv", "0,0,8,0\n8,0,8,5\n")
     ...     read_floorplan(f"{folder}/hall.csv").size_m.tolist()
     [8.0, 5.0]
     """
@@ -257,7 +258,7 @@ def read_floorplan(path: StrPath, *, format: str | None = None, **options: Any) 
     return plan
 
 
-def read_scan(path: StrPath, *, format: str | None = None, **options: Any) -> Scan:  # noqa: A002, ANN401
+def read_scan(path: StrPath, *, format: str | None = None, **options: Any) -> Scan:  # noqa: ANN401
     """Read a scan of any known format.
 
     Parameters
@@ -287,7 +288,7 @@ def read_scan(path: StrPath, *, format: str | None = None, **options: Any) -> Sc
     return scan
 
 
-def read_walk(path: StrPath, *, format: str | None = None, **options: Any) -> RecordedWalk:  # noqa: A002, ANN401
+def read_walk(path: StrPath, *, format: str | None = None, **options: Any) -> RecordedWalk:  # noqa: ANN401
     """Read a recorded walk of any known format.
 
     Parameters
@@ -314,7 +315,7 @@ def read_walk(path: StrPath, *, format: str | None = None, **options: Any) -> Re
     ...     read_walk(f"{folder}/walk.json").odometry("arkit").position_m.tolist()
     [[1.0, 0.0], [2.0, 0.0]]
     """
-    from palms.io.tracking import RecordedWalk
+    from palms.io.walk import RecordedWalk
     from palms.odometry import Odometry
 
     walk = _read(ODOMETRY, path, format, options)

@@ -10,7 +10,8 @@ import numpy as np
 
 from palms.errors import FormatError, InputError
 from palms.geometry import FloatArray, as_readonly, check_finite, check_points
-from palms.io.files import StrPath, brief, locating, parse_number, read_text, write_text
+from palms.io.files import read_text, write_text
+from palms.io.values import StrPath, brief, locating, parse_number
 
 __all__ = ["Truth", "read_truth", "write_truth"]
 

@@ -50,7 +50,7 @@ def place_furniture(
     >>> areas = shapely.Polygon(), none, shapely.box(0, 0, 9, 5)
     >>> noise = WorldNoise(furniture_per_m=1.0)
     >>> place_furniture(wall, np.array([0.1]), areas, noise, np.random.default_rng(1)).shape
-    (4, 4, 2, 2)
+    (3, 4, 2, 2)
     """
     import shapely
 

@@ -87,7 +87,7 @@ class Pose:
 
 
 def box(x_low: float, y_low: float, x_high: float, y_high: float) -> Any:  # noqa: ANN401
-    """Rectangle as a shapely polygon.
+    """Return a rectangle as a shapely polygon.
 
     Examples
     --------
@@ -102,7 +102,7 @@ def box(x_low: float, y_low: float, x_high: float, y_high: float) -> Any:  # noq
 def split_row(
     names: Sequence[str], widths_m: Sequence[float], low_m: tuple[float, float], depth_m: float
 ) -> dict[str, Any]:
-    """Rooms side by side along x, as polygons by name.
+    """Lay rooms side by side along x, as polygons by name.
 
     Parameters
     ----------
@@ -123,8 +123,7 @@ def split_row(
     x, y = low_m
     edges = np.round(x + np.cumsum([0.0, *widths_m]), 3).tolist()
     return {
-        name: box(a, y, b, y + depth_m)
-        for name, (a, b) in zip(names, pairwise(edges), strict=True)
+        name: box(a, y, b, y + depth_m) for name, (a, b) in zip(names, pairwise(edges), strict=True)
     }
 
 
@@ -301,8 +300,8 @@ def _cut_line(
         if not on_top:
             continue
         top = on_top[-1] if on_top[-1] >= len(walls) else 0
-        if runs and runs[-1][1] == low and runs[-1][2] == top:
-            low = runs.pop()[0]
-        runs.append((low, high, top))
+        goes_on = bool(runs) and runs[-1][1:] == (low, top)
+        start = runs.pop()[0] if goes_on else low
+        runs.append((start, high, top))
     pieces = ((low, high, layers[top][2]) for low, high, top in runs)
     return [(low, high, kind) for low, high, kind in pieces if kind is not None]

@@ -69,7 +69,7 @@ def _distances(origins: FloatArray, bearings: FloatArray, segments: FloatArray) 
 
 
 def group_lines(segments_m: FloatArray, offset_m: float, angle_rad: float) -> npt.NDArray[np.int64]:
-    """Number the straight lines on which segments lie.
+    """Find the straight lines on which segments lie.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def group_lines(segments_m: FloatArray, offset_m: float, angle_rad: float) -> np
 
 
 def rings_to_segments(rings: list[FloatArray]) -> FloatArray:
-    """Sides (N, 2, 2) of closed rings, each (M, 2) with its first point repeated at its end.
+    """Return the sides (N, 2, 2) of closed rings (M, 2), whose last point is the first.
 
     Examples
     --------

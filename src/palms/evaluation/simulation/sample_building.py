@@ -40,8 +40,7 @@ _WIDTH, _DEPTH = 70.0, 45.0
 _WEST, _WEST_CORRIDOR, _EAST_CORRIDOR, _EAST = 5.6, 7.4, 60.8, 63.4
 _SOUTH, _SOUTH_CORRIDOR, _CROSS, _CROSS_END = 5.2, 7.2, 20.4, 22.1
 _NORTH_CORRIDOR, _NORTH = 36.4, 38.9
-_POSE = Pose((14.5, 3.25), np.deg2rad(17.0))
-
+_POSE = Pose(np.array([14.5, 3.25]), np.deg2rad(17.0))
 
 
 def sample_building() -> FloorPlan:
@@ -89,9 +88,7 @@ def _flip(rooms: _Rooms) -> _Rooms:
     """Exchange x and y."""
     import shapely
 
-    return {
-        name: shapely.transform(shape, lambda xy: xy[:, ::-1]) for name, shape in rooms.items()
-    }
+    return {name: shapely.transform(shape, lambda xy: xy[:, ::-1]) for name, shape in rooms.items()}
 
 
 def _offices() -> _Rooms:
@@ -182,7 +179,7 @@ def _door_place(index: int) -> float:
 
 
 def _reached_from(rooms: _Rooms, name: str, usual: str) -> str:
-    """The corridor that a room shares most of its outline with."""
+    """Name the corridor that a room shares most of its outline with."""
     corridors = sorted(key for key in rooms if key.endswith("corridor"))
     shared = {key: rooms[name].intersection(rooms[key]).length for key in corridors}
     return usual if shared[usual] > 1.5 else max(corridors, key=lambda key: shared[key])
@@ -242,6 +239,4 @@ _CORRIDOR_JOINTS = (
 
 
 def _free_between(chains: Sequence[Sequence[str]]) -> list[Passage]:
-    return [
-        Passage(a, b, width_m=None, kind=None) for chain in chains for a, b in pairwise(chain)
-    ]
+    return [Passage(a, b, width_m=None, kind=None) for chain in chains for a, b in pairwise(chain)]

@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from palms.evaluation.simulation.patches import merge_patches, noisy_planes
-from palms.evaluation.simulation.rays import cast_rays
+from palms.evaluation.simulation.rays import cast_rays, rings_to_segments
 from palms.evaluation.simulation.settings import ScannerNoise
 from palms.evaluation.simulation.world import World
 from palms.geometry import (
@@ -109,9 +110,9 @@ def take_scan(
     hits = origins + np.minimum(range_m, noise.range_m)[:, None] * _unit(bearings)
     patches = merge_patches(near, hits, index, noise.merge_gap_m)
     planes = noisy_planes(patches, here, noise, rng)
-    free = _coverage(here, drift_rad, (origins, hits), noise)
-    odom = rotate(planes - here, -drift_rad)
-    scan = Scan(odom, coverage_m=as_readonly(free))
+    free = _coverage(here, _swept(here, origins, hits), noise.range_m, drift_rad)
+    free[~_looked(first - drift_rad, noise)] = np.nan
+    scan = Scan(rotate(planes - here, -drift_rad), coverage_m=as_readonly(free))
     return SimulatedScan(scan, here, drift_rad)
 
 
@@ -131,22 +132,34 @@ def _rays(
     return origins, (looks[:, None] + fan).ravel()
 
 
-def _coverage(
-    here: FloatArray, drift_rad: float, rays: tuple[FloatArray, FloatArray], noise: ScannerNoise
-) -> FloatArray:
-    """Free range (360,) by bearing in the odom frame; NaN where nobody looked."""
+def _swept(here: FloatArray, origins: FloatArray, hits: FloatArray) -> FloatArray:
+    """Outline, as segments, of all that the rays and the user's own body showed to be free."""
     import shapely
 
-    origins, hits = rays
-    per_frame = round(noise.view_rad / noise.ray_rad) + 1
-    frames = origins.reshape(-1, per_frame, 2), hits.reshape(-1, per_frame, 2)
-    fans = [np.concatenate([start[:1], ends]) for start, ends in zip(*frames, strict=True)]
-    swept = shapely.union_all(shapely.make_valid(shapely.polygons(fans))).buffer(0.01)
-    inner = (np.arange(_BINS * _RAYS_PER_BIN) + 0.5) * 2 * np.pi / (_BINS * _RAYS_PER_BIN)
-    ends = here + (noise.range_m * _unit(inner + drift_rad))
-    lines = shapely.linestrings(np.stack([np.broadcast_to(here, ends.shape), ends], axis=1))
-    seen = shapely.intersection(lines, swept)
-    start = shapely.Point(here)
-    first = [_part_from(geometry, start) for geometry in seen]
-    by_bin = np.array(first).reshape(_BINS, _RAYS_PER_BIN).min(axis=1)
-    return np.where(by_bin > noise.circle_max_m, by_bin, np.nan)
+    starts, first = np.unique(origins, axis=0, return_index=True)
+    fans = np.split(hits, np.sort(first)[1:])
+    shapes = [
+        shapely.Polygon(np.concatenate([origins[at : at + 1], fan]))
+        for at, fan in zip(np.sort(first), fans, strict=True)
+    ]
+    body = shapely.MultiPoint([*starts, here]).convex_hull.buffer(0.02)
+    area = shapely.union_all([*shapely.make_valid(shapes), body]).buffer(0.02).buffer(-0.02)
+    rings = shapely.get_rings(shapely.get_parts(area))
+    return rings_to_segments([shapely.get_coordinates(ring) for ring in rings])
+
+
+def _coverage(
+    here: FloatArray, outline: FloatArray, range_m: float, drift_rad: float
+) -> FloatArray:
+    """Free range (360,) by bearing in the odom frame, seen from the observation point."""
+    count = _BINS * _RAYS_PER_BIN
+    bearings = (np.arange(count) + 0.5) * 2 * np.pi / count + drift_rad
+    free, _ = cast_rays(np.broadcast_to(here, (count, 2)), bearings, outline)
+    return np.asarray(np.minimum(free, range_m).reshape(_BINS, _RAYS_PER_BIN).min(axis=1))
+
+
+def _looked(first_rad: float, noise: ScannerNoise) -> npt.NDArray[np.bool_]:
+    """Whether each bearing (360,) of the odom frame came into view."""
+    middle = (np.arange(_BINS) + 0.5) * 2 * np.pi / _BINS
+    turned = np.mod(middle - (first_rad - noise.view_rad / 2), 2 * np.pi)
+    return np.asarray(turned <= noise.turn_rad + noise.view_rad)

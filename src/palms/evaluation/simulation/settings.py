@@ -62,7 +62,7 @@ class WorldNoise:
     missing_walls: int = 2
     door_shut_share: float = 0.6
     door_recess_m: float = 0.04
-    furniture_per_m: float = 0.16
+    furniture_per_m: float = 0.3
     furniture_tall_share: float = 0.4
     furniture_clear_m: float = 1.05
 

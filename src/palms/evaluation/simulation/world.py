@@ -87,7 +87,7 @@ def make_world(plan: FloorPlan, noise: WorldNoise, rng: np.random.Generator) -> 
     >>> make_world(square, WorldNoise.none(), np.random.default_rng(0)).seen_m.shape
     (4, 2, 2)
     >>> make_world(square, WorldNoise(furniture_per_m=0), np.random.default_rng(0)).seen_m.shape
-    (8, 2, 2)
+    (12, 2, 2)
     """
     inside = inside_of(plan)
     line = group_lines(plan.segments_m, _SAME_LINE_M, _SAME_LINE_RAD)
@@ -95,12 +95,12 @@ def make_world(plan: FloorPlan, noise: WorldNoise, rng: np.random.Generator) -> 
     thickness = np.maximum(rng.normal(noise.thickness_m, noise.thickness_sd_m, line.max() + 1), 0.0)
     kept = ~_missing(plan, segments, noise.missing_walls, rng)
     kinds = np.where(kept, plan.classes, SegmentClass.OPENING)
-    solid = _solid(segments, kinds, thickness[line])
-    faces = _faces(segments[kinds == SegmentClass.WALL], solid)
+    walls = kinds == SegmentClass.WALL
+    solid = _solid(segments, walls, plan.classes != SegmentClass.WALL, thickness[line])
+    faces = _faces(segments[walls], solid)
     doors = _shut_doors(segments[kinds == SegmentClass.DOOR], noise, rng)
     panes = segments[kinds == SegmentClass.GLASS]
     passages = segments[(kinds == SegmentClass.DOOR) | (kinds == SegmentClass.OPENING)]
-    walls = kinds == SegmentClass.WALL
     boxes = place_furniture(
         segments[walls], thickness[line][walls], (solid, passages, inside), noise, rng
     )
@@ -163,11 +163,15 @@ def _missing(
     return gone
 
 
-def _solid(segments: FloatArray, kinds: npt.NDArray[Any], thickness: FloatArray) -> Any:  # noqa: ANN401
+def _solid(
+    segments: FloatArray,
+    is_wall: npt.NDArray[np.bool_],
+    is_gap: npt.NDArray[np.bool_],
+    thickness: FloatArray,
+) -> Any:  # noqa: ANN401
     """Area of the walls: thick, joined at corners, cut out where doors and glass are."""
     import shapely
 
-    is_wall = kinds == SegmentClass.WALL
     bars = shapely.buffer(
         shapely.linestrings(segments[is_wall]),
         thickness[is_wall] / 2,
@@ -177,8 +181,8 @@ def _solid(segments: FloatArray, kinds: npt.NDArray[Any], thickness: FloatArray)
     area = shapely.union_all(bars)
     area = area.buffer(_CLOSING_M, join_style="mitre").buffer(-_CLOSING_M, join_style="mitre")
     gaps = shapely.buffer(
-        shapely.linestrings(segments[~is_wall]),
-        thickness[~is_wall] / 2 + 2 * _CLOSING_M,
+        shapely.linestrings(segments[is_gap]),
+        thickness[is_gap] / 2 + 2 * _CLOSING_M,
         cap_style="flat",
     )
     return area.difference(shapely.union_all(gaps)).simplify(0.005)

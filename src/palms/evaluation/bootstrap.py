@@ -1,0 +1,263 @@
+"""Means and medians with intervals, by bootstrap over walks.
+
+Steps of a trial and trials of a walk are not independent: whoever resamples them gets
+intervals that are too narrow. What is drawn here are whole units (walks, or buildings where
+there are several), each with all of its trials.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from palms.errors import InputError
+from palms.evaluation.metrics import TrialMetrics
+from palms.geometry import FloatArray
+
+__all__ = ["Interval", "Reliability", "aggregate", "bootstrap_interval", "reliability"]
+
+Statistic = Literal["mean", "median"]
+
+DRAWS = 2000  # ours: moves the ends of an interval by about a hundredth of its width
+LEVEL = 0.95  # INTERFACE: 95 % intervals
+BINS = 10  # ours: reliability diagrams by tenths
+LOG_FLOOR = 1e-3  # ours: a filter of 2,000 particles cannot state less; keeps log scores finite
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """A statistic with its interval.
+
+    Parameters
+    ----------
+    value : float
+        The statistic of all values; NaN when none is defined.
+    low, high : float
+        Ends of the 95 % interval; NaN with fewer than two units.
+    n : int
+        Values that are defined.
+    units : int
+        Walks (or buildings) that were resampled.
+
+    Examples
+    --------
+    >>> f"{Interval(0.5, 0.25, 0.75, 8, 4):.2f}"
+    '0.50 [0.25, 0.75]'
+    """
+
+    value: float
+    low: float
+    high: float
+    n: int
+    units: int
+
+    def __format__(self, spec: str) -> str:
+        if np.isnan(self.value):
+            return "-"
+        value, low, high = (format(v, spec) for v in (self.value, self.low, self.high))
+        return value if np.isnan(self.low) else f"{value} [{low}, {high}]"
+
+
+def bootstrap_interval(
+    values: npt.ArrayLike,
+    units: Sequence[object],
+    statistic: Statistic = "mean",
+    *,
+    draws: int = DRAWS,
+    seed: int = 0,
+) -> Interval:
+    """Return the mean or the median of values, with an interval over units.
+
+    Parameters
+    ----------
+    values : array_like (N,)
+        One for each trial; NaN where the figure is not defined. Such trials do not enter
+        the statistic, but their units are drawn like the others.
+    units : sequence (N,)
+        The walk (or the building) of each trial. Units are drawn with replacement, each
+        with all of its trials.
+    statistic : {"mean", "median"}
+    draws : int
+        Number of bootstrap samples.
+    seed : int
+
+    Raises
+    ------
+    InputError
+        When there are not as many units as values.
+
+    Examples
+    --------
+    >>> interval = bootstrap_interval([0.0, 0.0, 1.0, 1.0], ["a", "a", "b", "b"])
+    >>> interval.value, interval.low, interval.high, interval.units
+    (0.5, 0.0, 1.0, 2)
+    """
+    value = np.asarray(values, dtype=np.float64)
+    if value.ndim != 1 or len(value) != len(units):
+        raise InputError(
+            "bootstrap", expected=f"a unit for each of {value.size} values", got=str(len(units))
+        )
+    names, unit = _numbered(units)
+    defined = ~np.isnan(value)
+    value, unit = value[defined], unit[defined]
+    nothing = float("nan")
+    if not len(value):
+        return Interval(nothing, nothing, nothing, 0, names)
+    of_counts = _means if statistic == "mean" else _medians
+    whole = float(of_counts(value, unit, np.ones((1, names)))[0])
+    if names < 2:
+        return Interval(whole, nothing, nothing, len(value), names)
+    counts = np.random.default_rng(seed).multinomial(names, np.full(names, 1 / names), draws)
+    drawn = of_counts(value, unit, counts.astype(np.float64))
+    low, high = np.nanquantile(drawn, [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
+    return Interval(whole, float(low), float(high), len(value), names)
+
+
+def _numbered(units: Sequence[object]) -> tuple[int, npt.NDArray[np.int64]]:
+    number: dict[object, int] = {}
+    index = np.array([number.setdefault(unit, len(number)) for unit in units], dtype=np.int64)
+    return len(number), index
+
+
+def _means(value: FloatArray, unit: npt.NDArray[np.int64], counts: FloatArray) -> FloatArray:
+    """Mean (B,) of the values, each counted as often as its unit was drawn; NaN for none."""
+    n_units = counts.shape[1]
+    total = counts @ np.bincount(unit, value, n_units)
+    n = counts @ np.bincount(unit, minlength=n_units)
+    out = np.full(len(n), np.nan)
+    np.divide(total, n, out=out, where=n > 0)
+    return out
+
+
+def _medians(value: FloatArray, unit: npt.NDArray[np.int64], counts: FloatArray) -> FloatArray:
+    """Median (B,) of the values, each counted as often as its unit was drawn; NaN for none."""
+    order = np.argsort(value, kind="stable")
+    value, unit = value[order], unit[order]
+    out = np.full(len(counts), np.nan)
+    for b, count in enumerate(counts):
+        upto = np.cumsum(count[unit])
+        n = upto[-1]
+        if n > 0:
+            middle = np.searchsorted(upto, [(n - 1) // 2, n // 2], side="right")
+            out[b] = value[middle].mean()
+    return out
+
+
+def aggregate(trials: Sequence[Mapping[str, Any]], units: Sequence[object]) -> dict[str, Interval]:
+    """Return figures over trials, with 95 % intervals over units.
+
+    Parameters
+    ----------
+    trials : sequence of mapping
+        Metrics by name, as `TrialMetrics.to_json` has them.
+    units : sequence
+        The walk of each trial; its building where there are several.
+
+    Returns
+    -------
+    dict of str to Interval
+        ``<metric>`` is the mean and ``<metric>_median`` the median over the trials for
+        which it is defined (`Interval.n` of them); `declared` and `wrong` are shares of
+        all, ``wrong_of_declared`` of those that declared. For ``declared_after_s``,
+        ``declared_after_m`` and ``right_after_m`` there is also ``..._full``, the mean with
+        trials that never declared (or never rightly) at the walk's full length, and
+        ``..._full_median``.
+
+    Examples
+    --------
+    >>> from palms.evaluation.metrics import Answers, trial_metrics
+    >>> answers = Answers([1.0], [[0, 0]], ["searching"])
+    >>> trial = trial_metrics(answers, [[0, 0]], [[3, 4]]).to_json()
+    >>> figures = aggregate([trial, trial], ["walk 1", "walk 2"])
+    >>> figures["declared"].value, figures["right_after_m_full"].value
+    (0.0, 5.0)
+    """
+    column = {
+        field.name: np.array([trial[field.name] for trial in trials], dtype=np.float64)
+        for field in fields(TrialMetrics)
+    }
+    figures = {name: bootstrap_interval(values, units) for name, values in column.items()}
+    declared = column["declared"] == 1
+    of_declared = np.where(declared, column["wrong"], np.nan)
+    figures["wrong_of_declared"] = bootstrap_interval(of_declared, units)
+    for name, whole in (
+        ("declared_after_s", "duration_s"), ("declared_after_m", "length_m"),
+        ("right_after_m", "length_m"),
+    ):  # fmt: skip
+        values = column[name]
+        column[f"{name}_full"] = np.where(np.isnan(values), column[whole], values)
+        figures[f"{name}_full"] = bootstrap_interval(column[f"{name}_full"], units)
+    for name, values in column.items():
+        if name not in ("declared", "wrong"):
+            figures[f"{name}_median"] = bootstrap_interval(values, units, "median")
+    return figures
+
+
+@dataclass(frozen=True, slots=True)
+class Reliability:
+    """Whether stated probabilities come true as often as they say.
+
+    Parameters
+    ----------
+    stated : (B,)
+        Mean stated probability in each bin; NaN in an empty one.
+    came_true : tuple of Interval
+        Share that came true in each bin.
+    brier : Interval
+        Mean squared difference of probability and outcome; 0 is best.
+    log_score : Interval
+        Mean log of the probability given to what happened; 0 is best. Probabilities are
+        kept 0.001 away from 0 and 1.
+
+    Examples
+    --------
+    >>> reliability([0.05, 0.95], [False, True], ["a", "b"]).brier.value
+    0.0025
+    """
+
+    stated: FloatArray
+    came_true: tuple[Interval, ...]
+    brier: Interval
+    log_score: Interval
+
+
+def reliability(
+    stated: npt.ArrayLike, came_true: npt.ArrayLike, units: Sequence[object], bins: int = BINS
+) -> Reliability:
+    """Compare stated probabilities with what happened.
+
+    Parameters
+    ----------
+    stated : array_like (N,)
+        Probabilities, one for each trial (one random step: see `metrics.sample_step`).
+    came_true : array_like (N,)
+        Whether it was so.
+    units : sequence (N,)
+        The walk (or the building) of each trial.
+    bins : int
+        Bins of equal width over [0, 1].
+
+    Examples
+    --------
+    >>> result = reliability([0.9, 0.9, 0.1], [True, False, False], ["a", "b", "c"], bins=2)
+    >>> [interval.value for interval in result.came_true]
+    [0.0, 0.5]
+    """
+    p = np.asarray(stated, dtype=np.float64)
+    true = np.asarray(came_true, dtype=np.float64)
+    member = np.minimum((p * bins).astype(np.int64), bins - 1)
+    mean = np.full(bins, np.nan)
+    shares = []
+    for b in range(bins):
+        inside = member == b
+        if inside.any():
+            mean[b] = p[inside].mean()
+        shares.append(bootstrap_interval(np.where(inside, true, np.nan), units))
+    kept = np.clip(p, LOG_FLOOR, 1 - LOG_FLOOR)
+    logs = np.where(true > 0, np.log(kept), np.log1p(-kept))
+    brier = bootstrap_interval((p - true) ** 2, units)
+    return Reliability(mean, tuple(shares), brier, bootstrap_interval(logs, units))

@@ -1,0 +1,396 @@
+"""A whole data set: a folder with maps and trajectories.
+
+::
+
+    maps/<scene>.csv
+    trajectories/<scene>/<walk>/<walk>.json, truth.csv
+    trajectories/<scene>/<walk>/Session_<id>/detectedPlanes.json, label.txt, scan.json
+
+Names are looked up when the data set is opened; plans, scans and walks are read when they
+are asked for. Unknown files are left alone.
+"""
+
+from __future__ import annotations
+
+import os
+import secrets
+import shutil
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from palms.errors import InputError, OutputError, PalmsWarning
+from palms.floorplan import FloorPlan
+from palms.io.files import make_folder
+from palms.io.label import Label, read_label, write_label
+from palms.io.plan_csv import plan_name, read_plan_csv, write_plan_csv
+from palms.io.planes import PLANES_FILE, read_scan_json, scan_time_s, write_scan_json
+from palms.io.tracking import read_tracking, walk_file, write_tracking
+from palms.io.values import StrPath
+from palms.io.walk import RecordedWalk
+from palms.odometry import Odometry
+from palms.scan import Scan
+
+__all__ = ["Case", "Dataset", "check_same_session", "open_dataset", "write_case", "write_plan"]
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """One walk of a data set with its plan, scans and labels.
+
+    Parameters
+    ----------
+    scene : str
+        Name of the building or floor.
+    plan_path : Path
+        Its floor plan.
+    name : str
+        Name of the walk.
+    walk_path : Path
+        The walk's JSON file.
+    scan_paths : tuple of Path
+        Folders of its scans, in order of time.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> Case("E2", Path("maps/E2.csv"), "w1", Path("w1.json"), ()).title
+    'E2/w1'
+    """
+
+    scene: str
+    plan_path: Path
+    name: str
+    walk_path: Path
+    scan_paths: tuple[Path, ...]
+
+    @property
+    def title(self) -> str:
+        """Scene and walk, to call it by."""
+        return f"{self.scene}/{self.name}"
+
+    @property
+    def folder(self) -> Path:
+        """The walk's folder."""
+        return self.walk_path.parent
+
+    def plan(self) -> FloorPlan:
+        """Read the floor plan."""
+        return read_plan_csv(self.plan_path)
+
+    def walk(self) -> RecordedWalk:
+        """Read the walk."""
+        return read_tracking(self.walk_path)
+
+    def scans(self) -> tuple[Scan, ...]:
+        """Read all scans, in order of time."""
+        return tuple(read_scan_json(path) for path in self.scan_paths)
+
+    def scan(self) -> Scan:
+        """Read the first scan.
+
+        Raises
+        ------
+        InputError
+            When the walk has none.
+        """
+        if not self.scan_paths:
+            raise InputError(
+                str(self.folder),
+                expected=f"a folder Session_<id> with {PLANES_FILE}",
+                got="none",
+                fix="add the walk's scan",
+            )
+        return read_scan_json(self.scan_paths[0])
+
+    def label(self, scan: int = 0) -> Label | None:
+        """Read the label of a scan; None when it has none."""
+        if not 0 <= scan < len(self.scan_paths):
+            return None
+        path = self.scan_paths[scan] / "label.txt"
+        return read_label(path) if path.is_file() else None
+
+
+@dataclass(frozen=True, slots=True)
+class Dataset:
+    """A data set: its folder `path` and its walks `cases`, by scene and name.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> len(Dataset(Path("simulated"), ()))
+    0
+    """
+
+    path: Path
+    cases: tuple[Case, ...]
+
+    def __len__(self) -> int:
+        return len(self.cases)
+
+    @property
+    def scenes(self) -> tuple[str, ...]:
+        """Names of the scenes that have walks."""
+        return tuple(dict.fromkeys(case.scene for case in self.cases))
+
+
+def open_dataset(path: StrPath) -> Dataset:
+    """Look up what a data set holds, without reading plans, scans and walks.
+
+    Parameters
+    ----------
+    path : path
+        The folder that holds ``maps`` and ``trajectories``.
+
+    Raises
+    ------
+    InputError
+        When one of them is missing, a scene has no plan, or there is no walk at all.
+
+    Warns
+    -----
+    PalmsWarning
+        For each folder with scans but no walk, which is left out.
+
+    Examples
+    --------
+    >>> open_dataset("no/such/folder")
+    Traceback (most recent call last):
+    palms.errors.InputError: no/such/folder: expected a data set with the folders maps and ...
+    """
+    root = Path(path)
+    missing = [name for name in ("maps", "trajectories") if not (root / name).is_dir()]
+    if missing:
+        got = f"no {' and no '.join(missing)}" if root.is_dir() else "no folder there"
+        raise InputError(
+            str(path),
+            expected="a data set with the folders maps and trajectories",
+            got=got,
+            fix="check the folder, or make one with: palms simulate",
+        )
+    plans = {file.stem: file for file in _visible(root / "maps") if file.suffix.lower() == ".csv"}
+    cases: list[Case] = []
+    for scene in _visible(root / "trajectories"):
+        if scene.is_dir() and any(folder.is_dir() for folder in _visible(scene)):
+            cases += _cases_of(scene, _plan_of(scene.name, plans, root))
+    if not cases:
+        raise InputError(
+            str(root / "trajectories"), expected="<scene>/<walk>/<walk>.json", got="no walk",
+            fix="check the folder",
+        )  # fmt: skip
+    return Dataset(root, tuple(cases))
+
+
+def _visible(folder: Path) -> list[Path]:
+    try:
+        return sorted(entry for entry in folder.iterdir() if not entry.name.startswith("."))
+    except OSError as error:
+        raise InputError(
+            str(folder), expected="a folder that can be read", got=str(error.strerror),
+            fix="check the rights",
+        ) from None  # fmt: skip
+
+
+def _plan_of(scene: str, plans: dict[str, Path], root: Path) -> Path:
+    if scene in plans:
+        return plans[scene]
+    fitting = [path for path in plans.values() if scene in (path.name, plan_name(path))]
+    if len(fitting) == 1:
+        return fitting[0]
+    raise InputError(
+        str(root / "maps"),
+        expected=f"the plan {scene}.csv of the scene {scene}",
+        got=", ".join(sorted(plans)[:5]) or "no plan",
+        fix="add it, or remove the scene",
+    )
+
+
+def _cases_of(scene: Path, plan: Path) -> list[Case]:
+    cases = []
+    for folder in _visible(scene):
+        if not folder.is_dir():
+            continue
+        scans = _scans_of(folder)
+        if not any(f.suffix == ".json" and f.name != "events.json" for f in _visible(folder)):
+            if scans:
+                warnings.warn(
+                    f"{folder}: scans without a walk; left out", PalmsWarning, stacklevel=3
+                )
+            continue
+        cases.append(Case(scene.name, plan, folder.name, walk_file(folder), scans))
+    return cases
+
+
+def _scans_of(folder: Path) -> tuple[Path, ...]:
+    found = [
+        entry
+        for entry in _visible(folder)
+        if entry.name.startswith("Session_") and (entry / PLANES_FILE).is_file()
+    ]
+    if len(found) > 1:
+        found.sort(key=lambda entry: (scan_time_s(entry), entry.name))
+    return tuple(found)
+
+
+def check_same_session(scan: Scan, walk: Odometry | RecordedWalk) -> None:
+    """Refuse a scan and a walk of two phone sessions; they share no frame.
+
+    Nothing is said when either names no session, or the odometry has a frame of its own.
+
+    Parameters
+    ----------
+    scan : Scan
+        The scan.
+    walk : Odometry or RecordedWalk
+        The walk.
+
+    Raises
+    ------
+    InputError
+        When both name sessions and none agrees.
+
+    Examples
+    --------
+    >>> walk = Odometry([1, 2], [[1, 0], [2, 0]], session=("8",))
+    >>> check_same_session(Scan([[[2, -2], [2, 2]]], session="Session_8"), walk)
+    >>> check_same_session(Scan([[[2, -2], [2, 2]]], session="7"), walk)
+    Traceback (most recent call last):
+    palms.errors.InputError: scan and walk: expected one session, got the scan of 7 and the ...
+    """
+    if isinstance(walk, Odometry) and walk.frame == "own":
+        return
+    names = [name.removeprefix("Session_") for name in walk.session]
+    if scan.session is None or not names:
+        return
+    own = scan.session.removeprefix("Session_")
+    if own not in names:
+        raise InputError(
+            "scan and walk",
+            expected="one session",
+            got=f"the scan of {own} and the walk of {', '.join(names)}",
+            fix="take the scan that was made at the start of this walk",
+        )
+
+
+def _checked_name(name: str, what: str) -> str:
+    if not name or name.startswith(".") or any(c in name for c in "/\\\x00"):
+        raise InputError(what, expected="a name that a file can have", got=repr(name))
+    return name
+
+
+def write_plan(folder: StrPath, plan: FloorPlan) -> Path:
+    """Write a plan into a data set, as ``maps/<plan.name>.csv``; return its path.
+
+    Parameters
+    ----------
+    folder : path
+        The data set; created when it is not there.
+    plan : FloorPlan
+        The plan; its name becomes the scene's.
+
+    Raises
+    ------
+    InputError
+        When its name cannot be a file's.
+    OutputError
+        When it cannot be written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_plan(folder, FloorPlan([[[0, 0], [8, 0]]], name="E2")).name
+    'E2.csv'
+    """
+    name = _checked_name(plan.name, "name of the plan")
+    path = make_folder(Path(folder) / "maps") / f"{name}.csv"
+    write_plan_csv(plan, path)
+    return path
+
+
+def write_case(
+    folder: StrPath,
+    scene: str,
+    name: str,
+    walk: RecordedWalk,
+    scans: Sequence[Scan],
+    labels: Sequence[Label | None] = (),
+) -> Path:
+    """Write a walk with its scans and labels into a data set, whole or not at all.
+
+    Parameters
+    ----------
+    folder : path
+        The data set; created when it is not there.
+    scene, name : str
+        Name of the scene (that of its plan) and of the walk.
+    walk : RecordedWalk
+        The walk.
+    scans : sequence of Scan
+        Its scans, in order of time.
+    labels : sequence of Label or None
+        Their labels; may be shorter.
+
+    Returns
+    -------
+    Path
+        The folder ``trajectories/<scene>/<name>``.
+
+    Raises
+    ------
+    InputError
+        When a name cannot be a folder's.
+    OutputError
+        When it cannot be written, or that folder already holds something.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> plan = FloorPlan([[[0, 0], [8, 0]]], name="E2")
+    >>> walk = RecordedWalk(arkit=Odometry([0.5, 1.0], [[0.6, 0.0], [1.2, 0.0]]))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     _ = write_plan(folder, plan)
+    ...     scans, labels = [Scan([[[2, -2], [2, 2]]])], [Label((1, 1), 0)]
+    ...     _ = write_case(folder, "E2", "w1", walk, scans, labels)
+    ...     open_dataset(folder).cases[0].label().position_m.tolist()
+    [1.0, 1.0]
+    """
+    parent = Path(folder) / "trajectories" / _checked_name(scene, "name of the scene")
+    target = make_folder(parent) / _checked_name(name, "name of the walk")
+    if target.exists() and (not target.is_dir() or any(target.iterdir())):
+        raise OutputError(
+            str(target), expected="a new folder", got="one with files in it",
+            fix="remove it or choose another",
+        )  # fmt: skip
+    part = make_folder(parent / f".{secrets.token_hex(6)}.part")
+    try:
+        write_tracking(walk, part / f"{name}.json")
+        for session, scan, label in _sessions(walk, scans, labels):
+            write_scan_json(scan, make_folder(part / session))
+            if label is not None:
+                write_label(label, part / session / "label.txt")
+        os.replace(part, target)
+    except OutputError:
+        raise
+    except OSError as error:
+        raise OutputError(str(target), got=str(error.strerror)) from None
+    finally:
+        shutil.rmtree(part, ignore_errors=True)
+    return target
+
+
+def _sessions(
+    walk: RecordedWalk, scans: Sequence[Scan], labels: Sequence[Label | None]
+) -> list[tuple[str, Scan, Label | None]]:
+    """Folder of each scan; several of one session get a number, scan.json names it."""
+    padded = [*labels, *[None] * (len(scans) - len(labels))]
+    named: list[tuple[str, Scan, Label | None]] = []
+    used: set[str] = set()
+    for index, (scan, label) in enumerate(zip(scans, padded, strict=False), start=1):
+        own = scan.session or next(iter(walk.session), str(index))
+        base = f"Session_{_checked_name(own.removeprefix('Session_'), 'session of the scan')}"
+        folder = base if base not in used else f"{base}_scan{index}"
+        used.add(folder)
+        named.append((folder, scan, label))
+    return named

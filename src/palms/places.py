@@ -1,0 +1,109 @@
+"""Places: the few spots that many candidate cells stand for."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from palms.geometry import FloatArray, wrap_angle
+from palms.heatmap import Candidates
+
+__all__ = ["Place", "find_places"]
+
+SEPARATION_M = 1.0  # ours: what INTERFACE's p_within_1m counts as one place
+
+
+class Place(NamedTuple):
+    """A spot where the scan may have been taken.
+
+    Attributes
+    ----------
+    x_m, y_m : float
+        In the map frame.
+    drift_rad : float
+        In (-pi, pi].
+    p : float
+        Probability that the cells around it stand for.
+    score : float
+        Of its best cell, as in the heatmap.
+    """
+
+    x_m: float
+    y_m: float
+    drift_rad: float
+    p: float
+    score: float
+
+
+def find_places(candidates: Candidates, separation_m: float = SEPARATION_M) -> tuple[Place, ...]:
+    """Gather candidate cells around the best of them, for each drift on its own.
+
+    Going down the scores, a cell that no peak of its drift has within `separation_m` becomes
+    a peak; every other cell belongs to the nearest of the peaks before it.
+
+    Parameters
+    ----------
+    candidates : Candidates
+    separation_m : float
+        Above 0.
+
+    Returns
+    -------
+    tuple of Place
+        Most probable first, equal ones by score; their probabilities sum to the
+        candidates' mass.
+
+    Examples
+    --------
+    >>> from palms.grid import Grid
+    >>> cells, label = np.array([[0, 0], [0, 1], [0, 40]], np.int32), np.zeros(3, np.int32)
+    >>> found = Candidates(
+    ...     Grid((0, 0), 0.1, (50, 50)), np.zeros(1), cells, label,
+    ...     np.array([3, 2, 1], np.float32), np.log([0.5, 0.3, 0.2]),
+    ... )
+    >>> [(round(place.x_m, 2), round(place.p, 2)) for place in find_places(found)]
+    [(0.05, 0.8), (4.05, 0.2)]
+    """
+    if not len(candidates):
+        return ()
+    share = np.exp(candidates.log_weight - candidates.log_weight.max())
+    share *= min(candidates.mass, 1.0) / share.sum()
+    places: list[Place] = []
+    for label in np.unique(candidates.label):
+        places += _places_of(
+            candidates, np.flatnonzero(candidates.label == label), share, separation_m
+        )
+    return tuple(sorted(places, key=lambda place: (-place.p, -place.score)))
+
+
+def _places_of(
+    candidates: Candidates, index: npt.NDArray[np.int64], share: FloatArray, separation_m: float
+) -> list[Place]:
+    """Places of one drift, whose cells are `index`."""
+    index = index[np.argsort(-candidates.score[index], kind="stable")]
+    position = candidates.grid.position_of(candidates.cells[index])
+    peaks, owner = _peaks(position, separation_m)
+    p = np.bincount(owner, share[index], minlength=len(peaks))
+    drift = float(wrap_angle(float(candidates.drifts_rad[candidates.label[index[0]]])))
+    return [
+        Place(float(position[i, 0]), float(position[i, 1]), drift, float(p[k]),
+              float(candidates.score[index[i]]))
+        for k, i in enumerate(peaks)
+    ]  # fmt: skip
+
+
+def _peaks(position: FloatArray, separation_m: float) -> tuple[list[int], npt.NDArray[np.int64]]:
+    """Peaks among points (N, 2) in order of score, and each point's peak."""
+    nearest = np.full(len(position), np.inf)
+    owner = np.zeros(len(position), np.int64)
+    peaks: list[int] = []
+    while True:
+        i = int(np.isinf(nearest).argmax())
+        if not np.isinf(nearest[i]):
+            return peaks, owner
+        away = np.hypot(*(position[i:] - position[i]).T)
+        mine = np.flatnonzero((away <= separation_m) & (away < nearest[i:])) + i
+        nearest[mine], owner[mine] = away[mine - i], len(peaks)
+        peaks.append(i)

@@ -1,0 +1,196 @@
+"""A floor plan as a picture: strokes for walls, doors, openings and glass; names in rooms."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final, NamedTuple
+
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from palms.floorplan import FloorPlan, Room, SegmentClass
+from palms.plot.style import INK, MUTED, SCAN, WALL, frame_map, new_figure, styled
+
+__all__ = ["draw_plan", "figure_size", "plan_figure", "plan_legend"]
+
+_NAME_PT: Final = (4.2, 7.5)  # smallest and largest size of a room's name
+_CHARACTER: Final = 0.62  # width of a character over its size
+_Dashes = str | tuple[float, tuple[float, ...]]
+
+
+class _Stroke(NamedTuple):
+    colour: str
+    width_pt: float
+    dashes: _Dashes
+    word: str
+
+
+_STROKES: Final = {
+    SegmentClass.OPENING: _Stroke(MUTED, 0.9, (0, (1, 2.2)), "opening"),
+    SegmentClass.DOOR: _Stroke(MUTED, 1.0, (0, (3.2, 1.8)), "door"),
+    SegmentClass.GLASS: _Stroke(SCAN, 2.8, "solid", "glass"),
+    SegmentClass.WALL: _Stroke(WALL, 1.5, "solid", "wall"),
+}
+
+
+def draw_plan(axes: Axes, plan: FloorPlan, width: float = 1.0, colour: str | None = None) -> None:
+    """Draw the segments of a plan, each class with its own stroke.
+
+    Parameters
+    ----------
+    axes : Axes
+    plan : FloorPlan
+    width : float
+        Strokes are wider by this factor; small maps want less than 1.
+    colour : str, optional
+        One colour for all classes: a plan that other things are drawn over.
+    """
+    for kind, stroke in _STROKES.items():
+        segments = plan.of_class(kind)
+        if not len(segments):
+            continue
+        gid = f"plan-{stroke.word}"
+        axes.add_collection(
+            LineCollection(
+                list(segments), colors=colour or stroke.colour, linestyles=[stroke.dashes],
+                linewidths=width * stroke.width_pt, capstyle="round", zorder=2, gid=gid,
+            ),
+            autolim=False,
+        )  # fmt: skip
+        if kind == SegmentClass.GLASS:  # a double stroke, to be told apart in grey
+            inner = LineCollection(
+                list(segments), colors="white", linewidths=width * 1.1, capstyle="butt", zorder=2
+            )
+            axes.add_collection(inner, autolim=False)
+
+
+def plan_legend(plan: FloorPlan) -> list[Line2D]:
+    """Return legend entries for the classes that a plan has.
+
+    Examples
+    --------
+    >>> [entry.get_label() for entry in plan_legend(FloorPlan([[[0, 0], [4, 0]]]))]
+    ['wall']
+    """
+    kinds = [kind for kind in reversed(_STROKES) if len(plan.of_class(kind))]
+    return [
+        Line2D(
+            [], [], color=stroke.colour, linewidth=stroke.width_pt, linestyle=stroke.dashes,
+            label=stroke.word,
+        )
+        for stroke in map(_STROKES.__getitem__, kinds)
+    ]  # fmt: skip
+
+
+def figure_size(plan: FloorPlan, area_in2: float, extra_in: float = 0.0) -> tuple[float, float]:
+    """Return width and height in inches for a map of a plan.
+
+    Parameters
+    ----------
+    plan : FloorPlan
+    area_in2 : float
+        Of the map; its shape follows the plan's, between 1 to 2 and 3 to 1.
+    extra_in : float
+        Height for what stands above and below the map.
+
+    Examples
+    --------
+    >>> figure_size(FloorPlan([[[0, 0], [8, 0]], [[8, 0], [8, 4]]]), 32.0)
+    (8.0, 4.0)
+    """
+    width, height = (float(v) for v in plan.size_m)
+    aspect = min(max(width / max(height, 1e-6), 0.5), 3.0)
+    tall = math.sqrt(area_in2 / aspect)
+    return round(aspect * tall, 2), round(tall + extra_in, 2)
+
+
+@styled
+def plan_figure(plan: FloorPlan, title: str | None = None) -> Figure:
+    """Draw a floor plan with the names of its rooms.
+
+    Parameters
+    ----------
+    plan : FloorPlan
+    title : str, optional
+        The plan's name, level and size when left out.
+
+    Returns
+    -------
+    matplotlib Figure
+
+    Examples
+    --------
+    >>> figure = plan_figure(FloorPlan([[[0, 0], [8, 0]], [[8, 0], [8, 5]]], name="Hall"))
+    >>> figure.axes[0].get_title(loc="left")
+    'Hall, 8 × 5 m'
+    """
+    figure = new_figure(*figure_size(plan, 70.0, extra_in=0.6))
+    axes = figure.add_subplot()
+    frame_map(axes, *plan.bounds_m)
+    draw_plan(axes, plan)
+    axes.set_title(title or _title(plan))
+    scale = _points_per_metre(figure, plan)
+    for room in plan.rooms:
+        _name_room(axes, room, scale)
+    entries = plan_legend(plan)
+    figure.legend(handles=entries, loc="outside lower center", ncols=4)
+    return figure
+
+
+def _title(plan: FloorPlan) -> str:
+    width, height = plan.size_m
+    level = f", level {plan.level}" if plan.level else ""
+    return f"{plan.name}{level}, {width:.0f} × {height:.0f} m"
+
+
+def _points_per_metre(figure: Figure, plan: FloorPlan) -> float:
+    """Scale of a map that fills its figure, a little on the safe side."""
+    (width_in, height_in), (width, height) = figure.get_size_inches(), plan.size_m
+    return 72 * min(0.92 * width_in / max(width, 1.0), 0.86 * height_in / max(height, 1.0))
+
+
+def _name_room(axes: Axes, room: Room, points_per_m: float) -> None:
+    """Write a name along the longer side of its room, or its number, or nothing."""
+    import shapely
+
+    shape = shapely.make_valid(shapely.Polygon(room.polygon_m))
+    long_m, short_m, angle = _oriented_box(shape)
+    for text in dict.fromkeys((room.name, room.name.split()[-1])):
+        size = min(
+            _NAME_PT[1],
+            0.88 * long_m * points_per_m / (_CHARACTER * len(text)),
+            0.6 * short_m * points_per_m,
+        )
+        if size >= _NAME_PT[0]:
+            x, y = _middle(shape)
+            axes.text(
+                x, y, text, fontsize=size, rotation=angle, rotation_mode="anchor", ha="center",
+                va="center", color=INK, zorder=4, gid="room-name",
+            )  # fmt: skip
+            return
+
+
+def _oriented_box(shape: Any) -> tuple[float, float, float]:  # noqa: ANN401
+    """Longer side, shorter side and direction in degrees, in (-90, 90], of the tightest box."""
+    import shapely
+
+    corners = shapely.get_coordinates(shapely.minimum_rotated_rectangle(shape))
+    sides = corners[1:3] - corners[:2]
+    length = [math.hypot(*side) for side in sides]
+    k = 0 if length[0] >= length[1] * 1.25 or abs(sides[0][0]) >= abs(sides[1][0]) else 1
+    k = 1 if length[1] > 1.25 * length[0] else k
+    angle = math.degrees(math.atan2(sides[k][1], sides[k][0]))
+    return length[k], length[1 - k], 90 - (90 - angle) % 180
+
+
+def _middle(shape: Any) -> tuple[float, float]:  # noqa: ANN401
+    """Return the centroid where it lies well inside, else the centre of the largest circle."""
+    import shapely
+
+    radius = shapely.maximum_inscribed_circle(shape, tolerance=0.05)
+    centre = shape.centroid
+    if not shape.contains(centre) or shape.boundary.distance(centre) < 0.6 * radius.length:
+        centre = shapely.Point(shapely.get_coordinates(radius)[0])
+    return float(centre.x), float(centre.y)
