@@ -69,7 +69,7 @@ def check_finite(values: npt.ArrayLike, what: str, shape: tuple[int | None, ...]
     wanted = "(" + ", ".join("N" if n is None else str(n) for n in shape) + ")"
     try:
         array: FloatArray = as_readonly(values)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(
             what,
             expected=f"numbers of shape {wanted}",
@@ -88,7 +88,7 @@ def check_finite(values: npt.ArrayLike, what: str, shape: tuple[int | None, ...]
             fix="check the number of columns",
         )
     if not np.isfinite(array).all():
-        row = int(np.argwhere(~np.isfinite(array))[0][0])
+        row = int(np.argwhere(~np.isfinite(np.atleast_1d(array)))[0][0])
         raise InputError(
             what,
             expected="finite numbers",

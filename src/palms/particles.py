@@ -162,7 +162,7 @@ def start_everywhere(
     if drifts_rad is None:
         drift = _any_drift(n, key)
     else:
-        label = np.arange(n, dtype=np.int32) % len(drifts_rad)
+        label = _dealt(n, len(drifts_rad), key)
         drift = drifts_rad[label]
     return Particles(position, drift, np.ones(n), label, np.full(n, 1 / n))
 
@@ -257,6 +257,15 @@ def effective_sample_size(weight: FloatArray) -> float:
     2.0
     """
     return float(weight.sum() ** 2 / (weight @ weight))
+
+
+def _dealt(n: int, n_groups: int, key: RandomKey) -> npt.NDArray[np.int32]:
+    """Labels of equal groups in random order, so that no order of places falls in step."""
+    ticket = np.empty((n, 1))
+    loops.uniforms(key.child(_DRIFT).word, 1, ticket)
+    label = np.empty(n, np.int32)
+    label[np.argsort(ticket[:, 0], kind="stable")] = np.arange(n) % n_groups
+    return label
 
 
 def _any_drift(n: int, key: RandomKey) -> FloatArray:

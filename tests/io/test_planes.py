@@ -175,9 +175,25 @@ def test_transform_that_is_not_rigid(put, says, plane, factor):
 
 @pytest.mark.parametrize(
     "content",
-    ["", "[", "[]", "{}", "3", "null", "x1,y1,x2,y2\n1,2,3,4", b"\x89PNG\x00", "[1]", "[null, {}]"]
-    + ["[[[0, 1], [2]]]", "[[[0, 1], [2, NaN]]]", "[[[0, 1], [2, 1e400]]]", "[[0, 1, 2, 3]]"]
-    + ["[[[2, 0], [2, 0]]]", "[[[2000, 0], [2000, 3000]]]", "[[[1e200, 0], [1e300, 1e308]]]"],
+    [
+        "",
+        "[",
+        "[]",
+        "{}",
+        "3",
+        "null",
+        "x1,y1,x2,y2\n1,2,3,4",
+        b"\x89PNG\x00",
+        "[1]",
+        "[null, {}]",
+        "[[[0, 1], [2]]]",
+        "[[[0, 1], [2, NaN]]]",
+        "[[[0, 1], [2, 1e400]]]",
+        "[[0, 1, 2, 3]]",
+        "[[[2, 0], [2, 0]]]",
+        "[[[2000, 0], [2000, 3000]]]",
+        "[[[1e200, 0], [1e300, 1e308]]]",
+    ],
 )
 def test_wrong_content(put, says, content):
     with pytest.raises(FormatError) as caught:
@@ -205,21 +221,24 @@ a_wall = st.tuples(st.floats(0.1, 5), angle, angle, st.floats(0.2, 8))
 a_coverage = st.lists(st.one_of(st.just(np.nan), st.floats(0, 20)), min_size=1, max_size=8)
 
 
-@settings(derandomize=True, deadline=None, max_examples=60)
-@given(
-    st.lists(a_wall, min_size=1, max_size=8),
-    st.tuples(st.floats(-100, 100), st.floats(-100, 100)),
-    st.one_of(st.none(), a_coverage),
-    st.sampled_from([0.0, 3.25]),
-    st.sampled_from([None, "7", "17", "x_y"]),
-    st.sampled_from(["Session_7", "Session_7/walls.json", "any.json", "Session_7/scan.json"]),
-)
-def test_round_trip(tmp_path_factory, drawn, position, coverage, time_s, session, name):
+@st.composite
+def scans(draw) -> Scan:
+    position = draw(st.tuples(st.floats(-100, 100), st.floats(-100, 100)))
     walls = [
         np.array(position) + rotate([r, 0], at) + np.outer([0, 1], rotate([width, 0], along))
-        for r, at, along, width in drawn
+        for r, at, along, width in draw(st.lists(a_wall, min_size=1, max_size=8))
     ]
-    scan = Scan(walls, position, coverage, time_s, session)
+    coverage = draw(st.one_of(st.none(), a_coverage))
+    time_s = draw(st.sampled_from([0.0, 3.25]))
+    return Scan(walls, position, coverage, time_s, draw(st.sampled_from([None, "7", "17", "x_y"])))
+
+
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(
+    scans(),
+    st.sampled_from(["Session_7", "Session_7/walls.json", "any.json", "Session_7/scan.json"]),
+)
+def test_round_trip(tmp_path_factory, scan, name):
     folder = tmp_path_factory.mktemp("scan")
     (folder / "Session_7").mkdir()
     write_scan_json(scan, folder / name)

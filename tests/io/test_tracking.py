@@ -243,15 +243,13 @@ def walks(draw) -> RecordedWalk:
     arkit = Odometry(
         time, rng.normal(size=(n, 2)), draw(st.sampled_from([None, time])), session=session
     )
-    ronin = Odometry(
-        time, rng.normal(size=(n, 2)), frame="own", source="inertial", session=session
-    )
+    ronin = Odometry(time, rng.normal(size=(n, 2)), frame="own", source="inertial", session=session)
     has = draw(st.sampled_from([(1, 1), (1, 0), (0, 1)]))
     reference = rng.normal(size=(n, 2))
     reference[:7] = np.nan
     reference[rng.random(n) < 0.2] = np.nan
-    truth = Truth(time, reference * 0 + 1, time) if draw(st.booleans()) else None
-    if truth is not None:
+    truth = None
+    if draw(st.booleans()):
         reference = np.ones((n, 2))
         truth = Truth(time, reference, rng.normal(size=n), ("1",) * n)
     return RecordedWalk(

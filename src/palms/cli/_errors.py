@@ -89,7 +89,7 @@ def _notes() -> Iterator[None]:
                 said.add(text)
                 _say(f"palms: note: {text}")
 
-        warnings.showwarning = show
+        warnings.showwarning = show  # type: ignore[assignment]
         yield
 
 

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
+    from palms.floorplan import FloorPlan
+    from palms.io import RecordedWalk
+    from palms.odometry import Odometry
+    from palms.scan import Scan
     from palms.settings import Settings
 
-__all__ = ["make_settings", "scan_name"]
+__all__ = ["Case", "make_settings", "read_case", "scan_name", "walk_name"]
 
 
 def make_settings(
@@ -35,6 +39,48 @@ def make_settings(
     return settings if particles is None else settings.with_particles(particles)
 
 
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A plan, a scan and a walk that belong together, as read.
+
+    Parameters
+    ----------
+    plan : FloorPlan
+    scan : Scan
+    walk : RecordedWalk
+    odometry : Odometry
+        The source of the walk that was asked for.
+    source : str
+        Its name.
+    scan_name, walk_name : str
+        What to call scan and walk.
+    """
+
+    plan: FloorPlan
+    scan: Scan
+    walk: RecordedWalk
+    odometry: Odometry
+    source: str
+    scan_name: str
+    walk_name: str
+
+
+def read_case(plan: Path, scan: Path, walk: Path, source: Literal["arkit", "ronin"]) -> Case:
+    """Read a plan, a scan and a walk, and make sure that scan and walk belong together.
+
+    Raises
+    ------
+    InputError
+        When one of them is at fault, or scan and walk are of different sessions.
+    """
+    from palms.io import check_same_session, read_floorplan, read_scan, read_walk
+
+    floor, seen, recorded = read_floorplan(plan), read_scan(scan), read_walk(walk)
+    odometry = recorded.odometry(source)
+    check_same_session(seen, odometry)
+    return Case(floor, seen, recorded, odometry, source, scan_name(scan), walk_name(walk))
+
+
 def scan_name(path: Path) -> str:
     """Return what to call a scan: its session's folder, else its file.
 
@@ -47,3 +93,15 @@ def scan_name(path: Path) -> str:
     if place.is_dir():
         return place.name
     return place.parent.name if place.parent.name.startswith("Session_") else place.stem
+
+
+def walk_name(path: Path) -> str:
+    """Return what to call a walk: its file or folder.
+
+    Examples
+    --------
+    >>> walk_name(Path("trajectories/E2/walk-1/walk-1.json"))
+    'walk-1'
+    """
+    place = path.resolve()
+    return place.name if place.is_dir() else place.stem

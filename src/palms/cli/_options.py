@@ -29,7 +29,8 @@ class Source(StrEnum):
 
 
 PlanPath = Annotated[
-    Path, typer.Argument(metavar="PLAN", help="Floor plan, such as maps/E2.csv.", show_default=False)
+    Path,
+    typer.Argument(help="Floor plan, such as maps/E2.csv.", show_default=False),
 ]
 ScanPath = Annotated[
     Path,
@@ -73,7 +74,8 @@ Method = Annotated[
 CellSize = Annotated[
     float | None,
     typer.Option(
-        "--cell-size", metavar="METRES", help="Side of a cell; larger ones for very large plans.",
-        show_default="0.1",
+        "--cell-size", metavar="METRES",
+        help="Side of a cell, 0.1 m when left out; larger ones for very large plans.",
+        show_default=False,
     ),
 ]  # fmt: skip

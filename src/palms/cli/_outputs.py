@@ -15,7 +15,17 @@ import typer
 
 from palms.errors import OutputError
 
-__all__ = ["Speaker", "check_file", "check_folder", "is_stdout", "speaker", "write_result"]
+__all__ = [
+    "Speaker",
+    "check_file",
+    "check_folder",
+    "describe",
+    "is_stdout",
+    "progress",
+    "speaker",
+    "table",
+    "write_result",
+]
 
 Speaker = Callable[[str], None]
 
@@ -100,7 +110,7 @@ def check_folder(path: Path | None) -> None:
     --------
     >>> check_folder(Path(__file__) / "out")
     Traceback (most recent call last):
-    palms.errors.OutputError: ... expected a folder that can be written, got ... which is no folder...
+    palms.errors.OutputError: ... expected a folder that can be written, got ...
     """
     if path is None:
         return
@@ -148,6 +158,13 @@ def table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     return [line.rstrip() for line in lines]
 
 
+def describe(facts: Sequence[tuple[str, str]], json_path: Path | None) -> None:
+    """Say facts in two columns; nothing but them, unless standard output is for JSON."""
+    say, width = speaker(json_path), max(len(name) for name, _ in facts)
+    for name, value in facts:
+        say(f"{name.ljust(width)}  {value}")
+
+
 @contextlib.contextmanager
 def progress(total: int, what: str) -> Iterator[Callable[[], None]]:
     """Show how far a count has come, on a terminal; silent in a pipe.
@@ -161,7 +178,13 @@ def progress(total: int, what: str) -> Iterator[Callable[[], None]]:
         yield lambda: None
         return
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
 
     columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn()
     with Progress(

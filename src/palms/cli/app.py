@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Annotated
 
 import typer
@@ -17,7 +18,9 @@ app = typer.Typer(
     help="Find where a phone is inside a building, from its floor plan, one LiDAR scan and a walk.",
     epilog="Start with: palms demo",
     no_args_is_help=True,
+    add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode="rich" if sys.stdout.isatty() else None,  # plain and quicker in a pipe
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 

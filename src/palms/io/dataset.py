@@ -234,9 +234,9 @@ def _scans_of(folder: Path) -> tuple[Path, ...]:
 
 
 def check_same_session(scan: Scan, walk: Odometry | RecordedWalk) -> None:
-    """Refuse a scan and a walk of two phone sessions; they share no frame.
+    """Refuse a scan and a walk of two phone sessions: they share neither frame nor start.
 
-    Nothing is said when either names no session, or the odometry has a frame of its own.
+    Nothing is said when either names no session.
 
     Parameters
     ----------
@@ -258,8 +258,6 @@ def check_same_session(scan: Scan, walk: Odometry | RecordedWalk) -> None:
     Traceback (most recent call last):
     palms.errors.InputError: scan and walk: expected one session, got the scan of 7 and the ...
     """
-    if isinstance(walk, Odometry) and walk.frame == "own":
-        return
     names = [name.removeprefix("Session_") for name in walk.session]
     if scan.session is None or not names:
         return

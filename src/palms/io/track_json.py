@@ -187,7 +187,7 @@ def _trial(track: Track) -> dict[str, Any]:
 
 
 def _steps(estimates: Sequence[Estimate]) -> dict[str, list[Any]]:
-    """Lists with an entry for each estimate; without a position nothing else is said."""
+    """Return lists, an entry for each estimate; without a position nothing else is said."""
     points = [_point(estimate) for estimate in estimates]
     known = [
         estimate if x is not None else Estimate(estimate.time_s, estimate.stage)

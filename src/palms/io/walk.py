@@ -145,12 +145,6 @@ class RecordedWalk:
 
 def _check_reference(reference: FloatArray, time_s: FloatArray, truth: Truth | None) -> None:
     samples = len(time_s)
-    if reference.shape != (samples, 2) or np.isinf(reference).any():
-        raise InputError(
-            "the walk's reference",
-            expected=f"positions or NaN of shape ({samples}, 2)",
-            got=f"shape {reference.shape}",
-        )
     if truth is not None and len(truth) != samples:
         raise InputError(
             "the walk's truth", expected=f"{samples} rows, one for each sample",
@@ -162,3 +156,9 @@ def _check_reference(reference: FloatArray, time_s: FloatArray, truth: Truth | N
             "the walk's truth", expected=f"{time_s[at]:.6g} s at sample {at}",
             got=f"{truth.time_s[at]:.6g} s", fix=f"remove the {TRUTH_FILE} of another walk",
         )  # fmt: skip
+    if reference.shape != (samples, 2) or np.isinf(reference).any():
+        raise InputError(
+            "the walk's reference",
+            expected=f"positions or NaN of shape ({samples}, 2)",
+            got=f"shape {reference.shape}",
+        )

@@ -12,7 +12,7 @@ from palms.belief import Belief, Estimate, Stage
 from palms.particles import MoveInfo, Particles
 from palms.plot.style import GROUPS, groups_of
 
-__all__ = ["MOMENTS", "Recorder", "Snapshot"]
+__all__ = ["MOMENTS", "Recorder", "Snapshot", "by_weight"]
 
 MOMENTS: Final = ("start", "t1", "t2", "end")
 
@@ -122,13 +122,19 @@ class Recorder:
         return name not in self._kept and reached[name]
 
     def _snapshot(self, estimate: Estimate, particles: Particles) -> Snapshot:
-        chosen = _by_weight(particles.weight, self.n_particles)
+        chosen = by_weight(particles.weight, self.n_particles)
         group = groups_of(particles.label[chosen], particles.drift_rad[chosen], self._by_label)
         return Snapshot(estimate, particles.position_m[chosen].astype(np.float32), group)
 
 
-def _by_weight(weight: npt.NDArray[np.float64], n: int) -> npt.NDArray[np.int64]:
-    """Indices of up to n particles, evenly spaced along the summed weights."""
+def by_weight(weight: npt.NDArray[np.float64], n: int) -> npt.NDArray[np.int64]:
+    """Return indices of up to n particles, evenly spaced along the summed weights.
+
+    Examples
+    --------
+    >>> by_weight(np.array([0.25, 0.25, 0.5, 0.0]), 2).tolist()
+    [0, 2]
+    """
     if len(weight) <= n and np.ptp(weight) == 0:
         return np.arange(len(weight))
     n = min(n, len(weight))

@@ -83,8 +83,11 @@ def inertial_odometry(truth: TrueWalk, noise: InertialNoise, rng: np.random.Gene
     leg = (np.cumsum(walked) / noise.leg_m).astype(int)
     legs = rng.normal(1.0, noise.leg_scale_sd, leg.max() + 1)
     scale = rng.normal(noise.scale, noise.scale_sd) * legs[leg]
-    sideways = noise.sideways_m_per_sqrt_m * rng.normal(size=len(walked)) / np.sqrt(walked)
-    sideways = np.where(walked > 0, sideways, 0.0)
+    sideways = (
+        noise.sideways_m_per_sqrt_m
+        * rng.normal(size=len(walked))
+        / np.sqrt(np.maximum(walked, 1e-9))
+    )
     across = np.column_stack([-truth.moves_m[:, 1], truth.moves_m[:, 0]])
     moves = scale[:, None] * (truth.moves_m + sideways[:, None] * across)
     position = np.cumsum(_turned(moves, rate * truth.time_s + frame), axis=0)

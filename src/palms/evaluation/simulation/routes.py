@@ -19,7 +19,7 @@ __all__ = ["FreeSpace", "Ways", "find_ways", "free_space"]
 
 _CORRIDOR_DOORS = 4  # ours: a room with as many doors is one that people pass through
 _NEIGHBOURS = ((0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1), (1, -2), (2, -1))
-_FAR_M = 1e6
+_START_M = 0.3  # ours: less than from one side of a wall to where people stand on the other
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,7 +165,7 @@ def find_ways(free: FreeSpace, start_m: npt.ArrayLike) -> Ways:
     Raises
     ------
     InputError
-        When nobody can stand within a metre of the start.
+        When nobody can stand within 0.3 m of the start.
 
     Examples
     --------
@@ -184,7 +184,7 @@ def find_ways(free: FreeSpace, start_m: npt.ArrayLike) -> Ways:
 def _nearest_free(free: FreeSpace, point: FloatArray) -> int:
     cells = np.argwhere(free.is_free)
     away = np.linalg.norm(free.grid.position_of(cells) - point, axis=1)
-    if not len(cells) or away.min() > 1.0:
+    if not len(cells) or away.min() > _START_M:
         raise InputError(
             "start of the walk",
             expected="a place where somebody can stand",

@@ -38,8 +38,8 @@ _Rooms = dict[str, Any]
 # The building's own axes, metres: where corridors and rows of rooms lie (ours).
 _WIDTH, _DEPTH = 70.0, 45.0
 _WEST, _WEST_CORRIDOR, _EAST_CORRIDOR, _EAST = 5.6, 7.4, 60.8, 63.4
-_SOUTH, _SOUTH_CORRIDOR, _CROSS, _CROSS_END = 5.2, 7.2, 20.4, 22.1
-_NORTH_CORRIDOR, _NORTH = 36.4, 38.9
+_SOUTH, _SOUTH_CORRIDOR, _CROSS, _CROSS_END = 5.2, 7.2, 17.6, 19.3
+_MIDDLE, _NORTH_CORRIDOR, _NORTH = 27.3, 36.4, 38.9
 _POSE = Pose(np.array([14.5, 3.25]), np.deg2rad(17.0))
 
 
@@ -128,14 +128,13 @@ def _core() -> _Rooms:
         ["Workshop", "Lab 236", "Restroom W", "Restroom M", "Lab 237", "Stairs B"],
         _fill(width, 6, {0: 8.7, 2: 5.0, 3: 5.0, 5: 5.2}),
         (low, _CROSS_END),
-        6.6,
+        _MIDDLE - _CROSS_END,
     )
-    top = _CROSS_END + 6.6
     rooms |= split_row(
         ["Library", "Room 238", "Room 239", "Room 240", "Lab 241", "Lab 242"],
         _fill(width, 6, {0: 13.6, 1: 4.4, 2: 4.4, 3: 4.4}),
-        (low, top),
-        _NORTH_CORRIDOR - top,
+        (low, _MIDDLE),
+        _NORTH_CORRIDOR - _MIDDLE,
     )
     return join(rooms, "Lecture hall", ["Hall 2"])
 
@@ -148,7 +147,7 @@ def _irregularities(rooms: _Rooms) -> _Rooms:
         ("Lab 242", "North corridor", box(58.4, 34.2, _EAST_CORRIDOR, _NORTH_CORRIDOR)),
         ("Lab 242", "East corridor", box(59.6, 31.0, _EAST_CORRIDOR, 33.0)),
         ("Room 265", "West corridor", box(4.4, 25.4, _WEST, 28.0)),
-        ("Lab 237", "Cross corridor", box(48.0, _CROSS_END, 50.4, 23.5)),
+        ("Lab 237", "Cross corridor", box(48.0, _CROSS_END, 50.4, _CROSS_END + 1.4)),
     )
     for giver, taker, part in moves:
         rooms = carve(rooms, giver, taker, part)

@@ -187,7 +187,7 @@ class RouteSettings:
     body_m: float = 0.28
     comfort_m: float = 0.9
     crowding_cost: float = 3.0
-    room_cost: float = 1.6
+    room_cost: float = 2.5
     room_visit_share: float = 0.0
     goal_m: float = 25.0
     smooth_m: float = 0.6

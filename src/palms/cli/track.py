@@ -1,0 +1,123 @@
+"""``palms track``: follow a recorded walk."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from palms.cli._options import CellSize, Json, Method, Out, PlanPath, ScanPath, Source, WalkPath
+from palms.cli._outputs import (
+    Speaker,
+    check_file,
+    check_folder,
+    is_stdout,
+    progress,
+    speaker,
+    write_result,
+)
+
+if TYPE_CHECKING:
+    from palms.cli._inputs import Case
+    from palms.localizer import Track
+    from palms.settings import Settings
+
+__all__ = ["EXAMPLE", "track"]
+
+EXAMPLE = (
+    "Example: palms track maps/E2.csv trajectories/E2/walk-1/Session_7 trajectories/E2/walk-1 "
+    "--trials 10 --json track.json"
+)
+
+
+def track(
+    plan: PlanPath,
+    scan: ScanPath,
+    walk: WalkPath,
+    *,
+    method: Method = "palms",
+    walk_source: Annotated[
+        Source, typer.Option("--walk-source", help="Which odometry of the walk.")
+    ] = Source.ARKIT,
+    particles: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            help="Number of particles; the method's own when left out.",
+            show_default=False,
+        ),
+    ] = None,
+    seed: Annotated[
+        int, typer.Option(metavar="S", min=0, help="Seed of the first trial; the i-th has S + i.")
+    ] = 0,
+    trials: Annotated[
+        int, typer.Option(metavar="N", min=1, help="How often, each with a seed of its own.")
+    ] = 1,
+    json: Json = None,
+    out: Out = None,
+    cell_size: CellSize = None,
+) -> None:
+    """Follow a recorded walk and tell when and where it was localized."""
+    from palms.cli._inputs import make_settings, read_case
+
+    settings = make_settings(method, cell_size, particles)
+    case = read_case(plan, scan, walk, walk_source.value)
+    check_file(json)
+    check_folder(out)
+    say = speaker(json)
+    tracks = follow(case, settings, range(seed, seed + trials))
+    tell(tracks, case, say)
+    write_result(document(tracks, case, settings), json)
+    if json is not None and not is_stdout(json):
+        say(f"Result: {json}")
+    if out is not None:
+        from palms.cli._pictures import draw_walk
+
+        say(f"Report: {draw_walk(out, case, settings, seed)}")
+
+
+def follow(case: Case, settings: Settings, seeds: range) -> list[Track]:
+    """Return one track for each seed; shows progress on a terminal."""
+    import palms
+    from palms.cli._compiling import announcing
+
+    raster = palms.rasterize(case.plan, settings.raster)
+    jobs = min(len(seeds), os.cpu_count() or 1)
+    found = []
+    with (
+        announcing(lambda text: typer.echo(text, err=True)),
+        progress(len(seeds), "Following the walk") as advance,
+    ):
+        for each in palms.track_trials(raster, case.scan, case.odometry, settings, seeds, jobs):
+            found.append(each)
+            advance()
+    return found
+
+
+def tell(tracks: list[Track], case: Case, say: Speaker) -> None:
+    """Say what came out: a line for each trial, and all together when there are several."""
+    from palms.cli._words import at_the_end, outcome, summary
+
+    if len(tracks) == 1:
+        say(_sentence(outcome(tracks[0], case.plan, case.walk, case.odometry)))
+        if tracks[0].estimates[-1].position_m is not None:
+            say(_sentence(at_the_end(tracks[0], case.plan, case.walk, case.odometry)))
+        return
+    for each in tracks:
+        say(f"Seed {each.seed}: {outcome(each, case.plan, case.walk, case.odometry)}.")
+    say(_sentence(summary(tracks, case.walk, case.odometry)))
+
+
+def _sentence(text: str) -> str:
+    return f"{text[:1].upper()}{text[1:]}."
+
+
+def document(tracks: list[Track], case: Case, settings: Settings) -> dict[str, object]:
+    """Return tracks as a ``palms-track/1`` document, with the names of the input."""
+    from palms.io.track_json import track_document
+
+    return track_document(
+        tracks, case.plan, settings,
+        scan=case.scan_name, walk=case.walk_name, walk_source=case.source,
+    )  # fmt: skip

@@ -1,0 +1,71 @@
+import numpy as np
+import pytest
+
+from palms._compiled import clusters
+from tests.compiled import twins
+
+
+def clouds(seed):
+    rng = np.random.default_rng(seed)
+    centres = rng.uniform(0, 30, (6, 2))
+    sizes = rng.integers(20, 120, 6)
+    near = [c + rng.normal(0, 0.4, (n, 2)) for c, n in zip(centres, sizes, strict=True)]
+    return np.concatenate([*near, rng.uniform(0, 30, (60, 2))])
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_mean_shift_equals_its_twin(seed):
+    points = clouds(seed)
+    modes, member, counts = clusters.mean_shift(points, 1.0, 1e-3, 300)
+    slow_modes, slow_member, slow_counts = twins.mean_shift(points, 1.0)
+    assert modes == pytest.approx(slow_modes, abs=1e-6)
+    assert (member == slow_member).all()
+    assert (counts == slow_counts).all()
+
+
+def test_mean_shift_of_one_place_is_one_cluster():
+    modes, member, counts = clusters.mean_shift(np.full((50, 2), 3.0), 1.0, 1e-3, 300)
+    assert modes.tolist() == [[3.0, 3.0]]
+    assert counts.tolist() == [50]
+    assert (member == 0).all()
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("share", [0.01, 0.5, 0.68, 0.95, 1.0])
+def test_quantiles_of_distance_equal_sorting(seed, share):
+    rng = np.random.default_rng(seed)
+    distance = np.round(rng.exponential(2, 700), 1)  # with ties
+    weight = rng.random(700)
+    fast = clusters.weighted_quantile(distance, weight, share)
+    assert fast == pytest.approx(twins.weighted_quantile(distance, weight, share))
+
+
+def test_the_quantile_of_particles_in_one_place_is_zero():
+    assert clusters.weighted_quantile(np.zeros(4), np.ones(4), 0.95) == 0.0
+
+
+def test_distances_and_weights_within():
+    points = np.array([[0.0, 0.0], [3.0, 4.0], [1.0, 0.0]])
+    away = np.empty(3)
+    clusters.distances(points, 0.0, 0.0, away)
+    assert away.tolist() == [0.0, 5.0, 1.0]
+    assert clusters.weight_within(away, np.array([0.2, 0.5, 0.3]), 1.0) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_heaviest_places_are_disjoint_and_ranked(seed):
+    rng = np.random.default_rng(seed)
+    points = np.concatenate(
+        [rng.normal([5, 5], 0.3, (500, 2)), rng.normal([20, 9], 0.3, (300, 2)),
+         rng.uniform(0, 30, (100, 2))]
+    )  # fmt: skip
+    weight = np.full(len(points), 1 / len(points))
+    place, shares = clusters.heaviest_places(points, weight, 2.0, 5)
+    assert shares[0] == pytest.approx(500 / 900, abs=0.03)
+    assert shares[1] == pytest.approx(300 / 900, abs=0.03)
+    assert shares.sum() <= 1 + 1e-9
+    for k in range(5):
+        assert shares[k] == pytest.approx(weight[place == k].sum())
+        if (place == k).any():
+            member = points[place == k]
+            assert np.ptp(member, axis=0).max() <= 4.0 + 1e-9

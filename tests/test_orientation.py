@@ -1,0 +1,46 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from palms.geometry import rotate, wrap_angle
+from palms.orientation import candidate_drifts, principal_orientation, smallest_alignment
+from tests.worlds import L_ROOM, two_rooms
+
+QUARTER = np.pi / 2
+
+
+def fold(angle):
+    return (angle + QUARTER / 2) % QUARTER - QUARTER / 2
+
+
+@settings(derandomize=True, deadline=None)
+@given(st.floats(-7, 7))
+def test_turning_the_walls_turns_their_orientation(angle):
+    walls = two_rooms().segments_m
+    turned = principal_orientation(rotate(walls, angle))
+    assert fold(turned - principal_orientation(walls) - angle) == pytest.approx(0, abs=1e-6)
+
+
+def test_noise_and_a_few_slanted_walls_do_not_matter():
+    rng = np.random.default_rng(0)
+    walls = np.concatenate([L_ROOM] * 3) + rng.normal(0, 0.03, (18, 2, 2))
+    slanted = [[[0, 0], [1.5, 1.5]], [[2, 0], [3, 1]]]
+    found = principal_orientation(rotate(np.concatenate([walls, slanted]), 0.3))
+    assert found == pytest.approx(0.3, abs=np.radians(0.5))
+
+
+@settings(derandomize=True, deadline=None)
+@given(st.floats(-9, 9), st.floats(-9, 9))
+def test_theta_is_the_smallest_angle_that_aligns(a, b):
+    theta = smallest_alignment(a, b)
+    assert -QUARTER / 2 <= theta < QUARTER / 2
+    assert fold(a + theta - b) == pytest.approx(0, abs=1e-9)
+
+
+def test_the_four_drifts_are_quarter_turns_apart():
+    drifts = candidate_drifts(0.2)
+    assert len(drifts) == 4
+    assert wrap_angle(np.diff(drifts)) == pytest.approx(QUARTER)
+    assert (np.abs(drifts) <= np.pi).all()
+    assert len(candidate_drifts(0.0, 72)) == 72
