@@ -8,14 +8,14 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-from rich.progress import Progress
-
 from benchmarks.real.cases import Key, load_case, write_as_dataset
 from benchmarks.real.plans import GRADES, SUITES, cache_folder
 from benchmarks.real.radish import BUILDINGS, data_folder
 from benchmarks.real.run import Plan, as_json, run
 from benchmarks.real.table import markdown
+from rich.console import Console
+from rich.progress import Progress
+
 from palms.io import write_json, write_text
 
 EXAMPLE = """examples:
@@ -40,7 +40,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--suites", type=_names, default=SUITES)
     add("--starts", choices=("development", "reporting"), default="development")
     add("--apart", choices=("position", "path"), default="position",
-        help="how starts are 10 m apart; by path there are more of them, which overlap")  # fmt: skip
+        help="how starts are 10 m apart; by path there are more, which overlap")  # fmt: skip
     add("--seeds", type=int, default=10, help="seeds 0 to N-1 for each start")
     add("--jobs", type=int, default=1, help="processes; the results do not depend on it")
     add("--cache", type=Path, default=cache_folder(), help="where fitted walls are kept")

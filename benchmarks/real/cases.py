@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-
 from benchmarks.real.plans import plan_for
 from benchmarks.real.radish import Log, odometry_of, read_log, reference_walk, scan_of
-from palms import PlanRaster, Scan, Settings, rasterize, track
+
+from palms import PlanRaster, Scan, SegmentClass, Settings, rasterize, track
 from palms.evaluation.metrics import Answers, sample_step, trial_metrics
 from palms.evaluation.simulation.walker import TrueWalk
+from palms.geometry import distance_to_segments, lengths, rotate
 from palms.io import Label, RecordedWalk, write_case, write_plan
 from palms.settings import RasterSettings
+
+IN_PLAN_M = 0.3  # ours: a wall of the scan is in the plan when it has one so near
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,18 @@ class Case:
     scan: Scan
     walk: TrueWalk
     drift_rad: float
+
+    @cached_property
+    def scan_in_plan(self) -> float:
+        """Share of the scan's metres of wall that lie near a wall of the plan.
+
+        It tells starts whose surroundings only the left-out scans saw: nothing matches there.
+        """
+        ends = rotate(self.scan.relative_m, self.drift_rad) + self.walk.start_m
+        plan = self.raster.plan.of_class(SegmentClass.WALL, SegmentClass.DOOR)
+        points = ends[:, :1] + np.linspace(0, 1, 21)[:, None] * (ends[:, 1:] - ends[:, :1])
+        near = [[distance_to_segments(p, plan).min() < IN_PLAN_M for p in wall] for wall in points]
+        return float(np.average(np.mean(near, axis=1), weights=lengths(ends)))
 
 
 @lru_cache(maxsize=4)
@@ -76,6 +91,7 @@ def run_trial(case: Case, method: str, settings: Settings, seed: int) -> dict[st
         "seed": seed,
         "grade": key.grade,
         "suite": key.suite,
+        "scan_in_plan": case.scan_in_plan,
         **metrics.to_json(),
         "sampled_p_within_1m": sampled[0] if sampled else None,
         "sampled_within_1m": sampled[1] if sampled else None,

@@ -9,9 +9,9 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
-
 from benchmarks.real import walls as fitter
 from benchmarks.real.radish import BUILDINGS, Log
+
 from palms import FloorPlan, SegmentClass
 from palms.evaluation.simulation.walker import TrueWalk
 from palms.geometry import FloatArray, lengths
@@ -97,9 +97,27 @@ def plan_for(
     seed = [BUILDINGS.index(log.building), observation, list(GRADES).index(grade)]
     walls = degraded(walls, GRADES[grade], np.random.default_rng(seed))
     classes = np.zeros(len(walls), np.uint8)
+    path = np.concatenate([walk.start_m[None], walk.position_m])
     if suite == "clean":
-        walls, classes = with_doors(walls, np.concatenate([walk.start_m[None], walk.position_m]))
+        walls, classes = with_doors(walls, path)
+    walls, classes = _on_sheet(walls, classes, path)
     return FloorPlan(walls, classes, name=log.building)
+
+
+def _on_sheet(
+    walls: FloatArray, classes: FloatArray, path_m: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Make sure that the drawing holds the path: the filters take its edge for a wall.
+
+    Where left out or missing walls leave the path outside, an opening of a centimetre, which
+    neither blocks nor matches, marks the corner of the sheet.
+    """
+    ends = walls.reshape(-1, 2)
+    corners = np.stack([path_m.min(axis=0), path_m.max(axis=0)])
+    needed = [(corners[0] < ends.min(axis=0)).any(), (corners[1] > ends.max(axis=0)).any()]
+    marks = np.stack([corners, corners + 0.01], axis=1)[needed]
+    openings = np.full(len(marks), SegmentClass.OPENING, np.uint8)
+    return np.concatenate([walls, marks]), np.concatenate([classes, openings])
 
 
 def with_doors(walls: FloatArray, path_m: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -23,7 +23,6 @@ APART_M = 10.0  # METHOD 7: starts at least so far apart
 WALK_M, SHORTEST_WALK_M = 100.0, 60.0  # METHOD 7
 STEP_M, SPEED_M_S = 0.65, 1.2  # METHOD 7
 JUMP_M = 3.0  # ours: a gap between poses beyond this is a jump of the log; walks end there
-SHUFFLES = 2000  # ours: orders tried for the largest set of starts
 
 
 def data_folder() -> Path:
@@ -110,28 +109,20 @@ def odometry_of(walk: TrueWalk, drift_rad: float, seed: int) -> Odometry:
 
 
 def choose_starts(log: Log, apart: str) -> list[int]:
-    """Return a largest set of observations at least 10 m apart that leave 60 m of walk.
+    """Return observations at least 10 m apart that leave 60 m of walk, in the order of the log.
 
-    ``apart`` is "position" (the protocol) or "path" (more starts, which overlap more).
+    ``apart`` is "position" (the protocol) or "path" (more starts, which overlap more). Each
+    is the first that is far enough from those before: picking the largest set instead would
+    pick dead ends, which the log saw only once.
     """
-    usable = [
-        i for i, seen in enumerate(log.observations) if reference_walk(log, seen.row) is not None
-    ]
-    rows = np.array([log.observations[i].row for i in usable])
-    where = log.pose[rows, :2] if apart == "position" else log.path_m[rows][:, None]
-    distance = np.linalg.norm(where[:, None] - where[None], axis=2)
-    rng = np.random.default_rng(0)
-    orders = [np.arange(len(usable)), *(rng.permutation(len(usable)) for _ in range(SHUFFLES))]
-    best = max((_greedy(order, distance) for order in orders), key=len)
-    return [usable[i] for i in sorted(best)]
-
-
-def _greedy(order: FloatArray, distance: FloatArray) -> list[int]:
-    free, chosen = np.ones(len(distance), bool), []
-    for i in order:
-        if free[i]:
-            chosen.append(int(i))
-            free &= distance[i] >= APART_M
+    chosen: list[int] = []
+    where: list[FloatArray] = []
+    for i, seen in enumerate(log.observations):
+        at = log.pose[seen.row, :2] if apart == "position" else log.path_m[seen.row, None]
+        far = all(np.linalg.norm(at - other) >= APART_M for other in where)
+        if far and reference_walk(log, seen.row) is not None:
+            chosen.append(i)
+            where.append(at)
     return chosen
 
 

@@ -14,6 +14,7 @@ from typing import Any
 from benchmarks.real.cases import Key, load_case, run_trial
 from benchmarks.real.plans import GRADES, SUITES
 from benchmarks.real.radish import BUILDINGS, starts
+
 from palms import Settings
 
 

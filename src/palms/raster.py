@@ -112,7 +112,7 @@ def rasterize(plan: FloorPlan, settings: RasterSettings | None = None) -> PlanRa
     by_class = np.array(
         [settings.wall_weight, settings.door_weight, settings.opening_weight, settings.glass_weight]
     )
-    density = _density(plan.segments_m, by_class[plan.classes], grid)
+    density = _density(plan.segments_m, by_class[plan.classes], grid, spread=True)
     np.minimum(density, np.sqrt(2), out=density)  # no cell holds more than one straight wall
     density.setflags(write=False)
     return PlanRaster(plan, grid, density, _walls(plan.blocking_m, grid), settings)
@@ -139,15 +139,17 @@ def _flat(segments_m: FloatArray, grid: Grid) -> FloatArray:
     return np.ascontiguousarray((segments_m - grid.origin_m).reshape(-1, 4))
 
 
-def _density(segments_m: FloatArray, weights: FloatArray, grid: Grid) -> npt.NDArray[np.float32]:
+def _density(
+    segments_m: FloatArray, weights: FloatArray, grid: Grid, spread: bool
+) -> npt.NDArray[np.float32]:
     out = np.zeros(grid.shape, np.float32)
-    cells.add_lengths(_flat(segments_m, grid), weights, grid.cell_size_m, out)
+    cells.add_lengths(_flat(segments_m, grid), weights, grid.cell_size_m, spread, out)
     return out
 
 
 def _walls(blocking_m: FloatArray, grid: Grid) -> loops.Walls:
     cell = grid.cell_size_m
-    on_wall = _density(blocking_m, np.ones(len(blocking_m)), grid) > 0
+    on_wall = _density(blocking_m, np.ones(len(blocking_m)), grid, spread=False) > 0
     clearance = ndimage.distance_transform_edt(~on_wall) if on_wall.any() else np.zeros(grid.shape)
     bucket = BUCKET_CELLS * cell
     rows, columns = (-(-n // BUCKET_CELLS) for n in grid.shape)

@@ -88,7 +88,7 @@ def recorded_walls(
     """RW of paper III-B: the observed walls (N, 2, 2), smoothed, on a grid around (0, 0)."""
     flat = np.ascontiguousarray((walls_m - grid.origin_m).reshape(-1, 4))
     density = np.zeros(grid.shape, np.float32)
-    cells.add_lengths(flat, np.ones(len(flat)), grid.cell_size_m, density)
+    cells.add_lengths(flat, np.ones(len(flat)), grid.cell_size_m, True, density)
     np.minimum(density, np.sqrt(2), out=density)
     sigma = settings.wall_sigma_m / grid.cell_size_m
     radius = settings.truncate_cells or int(np.ceil(4 * sigma))

@@ -111,9 +111,7 @@ def test_copies_come_from_survivors_and_stay_on_their_side_of_the_wall():
     label = np.arange(400, dtype=np.int32)
     hit = rng.random(400) < 0.7
     before = position.copy(), drift.copy()
-    loops.replace_hits(
-        position, drift, scale, label, hit, np.array([0.1, 0.0]), KEY, raster.walls
-    )
+    loops.replace_hits(position, drift, scale, label, hit, np.array([0.1, 0.0]), KEY, raster.walls)
     assert (position[~hit] == before[0][~hit]).all()
     parent = label[hit]
     assert not hit[parent].any()

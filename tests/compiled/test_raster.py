@@ -15,8 +15,12 @@ def test_lengths_equal_those_that_shapely_cuts(seed):
     segments[2] = [0.3, 0.3, 0.3, 0.3]  # no length
     weights = rng.uniform(0.5, 2, 12)
     out = np.zeros((9, 11), np.float64)
-    raster.add_lengths(segments, weights, 0.2, out)
+    raster.add_lengths(segments, weights, 0.2, False, out)
     assert out == pytest.approx(twins.add_lengths(segments, weights, 0.2, (9, 11)), abs=1e-9)
+    spread = np.zeros((9, 11), np.float64)
+    raster.add_lengths(segments, weights, 0.2, True, spread)
+    slow = twins.add_lengths(segments, weights, 0.2, (9, 11), spread=True)
+    assert spread == pytest.approx(slow, abs=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -59,15 +59,25 @@ class Stream:
                 return x - TAIL if u < 0 else TAIL - x
 
 
-def add_lengths(segments, weights, cell, shape):
-    out = np.zeros(shape)
+def add_lengths(segments, weights, cell, shape, spread=False):
+    out = np.zeros((shape[0] + 4, shape[1] + 4))  # two cells more on each side
     for (x0, y0, x1, y1), weight in zip(segments, weights, strict=True):
         line = shapely.LineString([(x0, y0), (x1, y1)])
-        for r in range(shape[0]):
-            for c in range(shape[1]):
+        for r in range(-2, shape[0] + 2):
+            for c in range(-2, shape[1] + 2):
                 box = shapely.box(c * cell, r * cell, (c + 1) * cell, (r + 1) * cell)
-                out[r, c] += weight * shapely.intersection(line, box).length / cell
-    return out
+                piece = shapely.intersection(line, box)
+                amount = weight * piece.length / cell
+                if not spread or amount == 0:
+                    out[r + 2, c + 2] += amount
+                    continue
+                u, v = piece.centroid.x / cell - 0.5, piece.centroid.y / cell - 0.5
+                for rr in range(r - 1, r + 2):
+                    for cc in range(c - 1, c + 2):
+                        share = max(0, 1 - abs(u - cc)) * max(0, 1 - abs(v - rr))
+                        if -2 <= rr < shape[0] + 2 and -2 <= cc < shape[1] + 2:
+                            out[rr + 2, cc + 2] += amount * share
+    return out[2:-2, 2:-2]
 
 
 def fill_triangles(triangles, cell, shape):

@@ -9,11 +9,12 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True)
-def add_lengths(segments, weights, cell, out):
+def add_lengths(segments, weights, cell, spread, out):
     """Add weight times length, in cells, of each segment (N, 4) to the cells it runs through.
 
     Coordinates are relative to the lower left corner of cell (0, 0); cells off the raster
-    are left out.
+    are left out. With `spread`, what runs through a cell is shared between the four cells
+    whose centres surround its middle, so that the raster moves smoothly with the segment.
     """
     rows, columns = out.shape
     for i in range(segments.shape[0]):
@@ -36,8 +37,19 @@ def add_lengths(segments, weights, cell, out):
         t = 0.0
         while t < 1.0:
             ahead = min(next_c, next_r, 1.0)
-            if 0 <= r < rows and 0 <= c < columns:
-                out[r, c] += weights[i] * (ahead - t) * length
+            amount = weights[i] * (ahead - t) * length
+            if spread:
+                u = x0 + 0.5 * (t + ahead) * dx - 0.5
+                v = y0 + 0.5 * (t + ahead) * dy - 0.5
+                left, below = int(math.floor(u)), int(math.floor(v))
+                u, v = u - left, v - below
+                for k in range(4):
+                    rr, cc = below + k // 2, left + k % 2
+                    if 0 <= rr < rows and 0 <= cc < columns:
+                        share = (v if k // 2 else 1.0 - v) * (u if k % 2 else 1.0 - u)
+                        out[rr, cc] += amount * share
+            elif 0 <= r < rows and 0 <= c < columns:
+                out[r, c] += amount
             t = ahead
             if next_c <= next_r:
                 next_c += delta_c

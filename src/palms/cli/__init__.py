@@ -5,11 +5,16 @@ Nothing heavy is imported before a command needs it, so that ``palms --help`` is
 
 from __future__ import annotations
 
+import sys
+
 __all__ = ["main"]
 
 
 def main() -> None:
     """Run the command; the entry point of the package."""
-    from palms.cli.app import app
+    try:
+        from palms.cli.app import app
 
-    app(prog_name="palms")
+        app(prog_name="palms")
+    except KeyboardInterrupt:  # before or after the command itself
+        sys.exit(130)

@@ -47,11 +47,14 @@ def one_line(error: BaseException) -> str:
 
 
 class CheckedGroup(TyperGroup):
-    """A group of commands whose errors become one line and an exit code."""
+    """A group of commands whose errors become one line and an exit code.
+
+    Notes follow the result; an error stands alone.
+    """
 
     def invoke(self, ctx: Any) -> Any:  # noqa: ANN401
         """Run the command; a mistake of the input ends with exit code 1."""
-        with _notes():
+        with _notes() as notes:
             try:
                 result = super().invoke(ctx)
                 sys.stdout.flush()
@@ -69,28 +72,28 @@ class CheckedGroup(TyperGroup):
                 if isinstance(error, OSError):
                     _drop(sys.stdout)
                 raise typer.Exit(INPUT_AT_FAULT) from None
+        for note in notes:
+            _say(f"palms: note: {note}")
         return result
 
 
 @contextlib.contextmanager
-def _notes() -> Iterator[None]:
-    """Say each `PalmsWarning` once, in a line of its own."""
-    said: set[str] = set()
+def _notes() -> Iterator[list[str]]:
+    """Gather the text of each `PalmsWarning`, once."""
+    found: list[str] = []
     with warnings.catch_warnings():
         warnings.simplefilter("always", PalmsWarning)
         others = warnings.showwarning
 
         def show(message: Warning | str, category: type[Warning], *rest: Any) -> None:  # noqa: ANN401
+            text = " ".join(str(message).split())
             if not issubclass(category, PalmsWarning):
                 others(message, category, *rest)
-                return
-            text = " ".join(str(message).split())
-            if text not in said:
-                said.add(text)
-                _say(f"palms: note: {text}")
+            elif text not in found:
+                found.append(text)
 
         warnings.showwarning = show  # type: ignore[assignment]
-        yield
+        yield found
 
 
 def _say(line: str) -> None:

@@ -30,7 +30,7 @@ class Source(StrEnum):
 
 PlanPath = Annotated[
     Path,
-    typer.Argument(help="Floor plan, such as maps/E2.csv.", show_default=False),
+    typer.Argument(metavar="PLAN", help="Floor plan, such as maps/E2.csv.", show_default=False),
 ]
 ScanPath = Annotated[
     Path,

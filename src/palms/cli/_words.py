@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from statistics import median
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from palms.belief import Estimate
+    from palms.cli._inputs import Case
     from palms.floorplan import FloorPlan
     from palms.geometry import FloatArray
-    from palms.io import RecordedWalk
     from palms.localizer import Track
-    from palms.odometry import Odometry
 
-__all__ = ["at_the_end", "how_sure", "outcome", "summary", "where"]
+__all__ = ["HEADINGS", "at_the_end", "how_sure", "outcome", "row", "summary", "where"]
+
+HEADINGS = ("seed", "localized after", "place", "within 2 m", "95 % within", "off by")
 
 ROOMY_M = 15.0  # ours: in a larger room or corridor it helps to name a neighbour
 NEAR_M = 4.0  # ours: farther rooms are not near
@@ -66,36 +69,42 @@ def how_sure(estimate: Estimate) -> str:
     >>> how_sure(Estimate(1.0, radius_95_m=0.62, p_within_2m=1.0))
     'within 0.6 m with 95 %'
     >>> how_sure(Estimate(1.0, radius_95_m=39.0, p_within_2m=0.64))
-    'within 2 m with 64 % (95 %: within 39 m)'
+    'within 2 m with 64 %, within 39 m with 95 %'
     """
     radius = estimate.radius_95_m
     if radius is None:
         return "nothing is known"
     if radius <= SURE_M:
         return f"within {max(radius, 0.1):.1f} m with 95 %"
-    share = _percent(estimate.p_within_2m)
-    return f"within 2 m with {share} (95 %: within {radius:.0f} m)"
+    return f"within 2 m with {_percent(estimate.p_within_2m)}, within {radius:.0f} m with 95 %"
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.0f} %" if share >= 0.01 else "less than 1 %"
+    return f"{100 * share:.0f} %" if share >= 0.01 else "< 1 %"
 
 
-def outcome(track: Track, plan: FloorPlan, walk: RecordedWalk, odometry: Odometry) -> str:
-    """Say when and where a walk was localized, how sure that was, and how far off."""
+def outcome(track: Track, case: Case) -> tuple[str, str]:
+    """Say when and where a walk was localized; then how sure that was, and how far off.
+
+    Returns
+    -------
+    tuple of str
+        Two sentences; the second is empty where the walk was never localized.
+    """
     step = localized_step(track)
-    if step is None:
-        oriented = next((i for i, e in enumerate(track) if e.stage != "searching"), None)
-        turned = "" if oriented is None else f"oriented after {_after(odometry, oriented)}, but "
-        return f"{turned}not localized in {_after(odometry, len(odometry) - 1)}"
-    return f"localized after {_after(odometry, step)}: {_answer(track, step, plan, walk)}"
+    if step is not None:
+        return _answer(f"Localized after {_after(case, step)}", track, step, case)
+    oriented = next((i for i, e in enumerate(track) if e.stage != "searching"), None)
+    turned = "" if oriented is None else f"Oriented after {_after(case, oriented)}, but "
+    text = f"{turned}not localized in {_after(case, len(track) - 1)}."
+    return text[:1].upper() + text[1:], ""
 
 
-def at_the_end(track: Track, plan: FloorPlan, walk: RecordedWalk, odometry: Odometry) -> str:
-    """Say the answer at the end of the walk and whether it counts as localized."""
-    last = len(odometry) - 1
+def at_the_end(track: Track, case: Case) -> tuple[str, str]:
+    """Say the answer at the end of the walk and whether it counts; then as `outcome`."""
+    last = len(track) - 1
     hedge = _HEDGES.get(track.estimates[-1].stage, "")
-    return f"at the end, after {_after(odometry, last)}{hedge}: {_answer(track, last, plan, walk)}"
+    return _answer(f"At the end, after {_after(case, last)}{hedge}", track, last, case)
 
 
 def localized_step(track: Track) -> int | None:
@@ -103,40 +112,60 @@ def localized_step(track: Track) -> int | None:
     return next((i for i, estimate in enumerate(track) if estimate.is_localized), None)
 
 
-def error_m(track: Track, step: int, walk: RecordedWalk) -> float | None:
+def error_m(track: Track, step: int, case: Case) -> float | None:
     """Distance from the answer to the reference; None where either is missing."""
     position = track.estimates[step].position_m
-    if position is None or not walk.has_reference[step]:
+    if position is None or not case.walk.has_reference[step]:
         return None
-    x, y = position - walk.reference_m[step]
+    x, y = position - case.walk.reference_m[step]
     return math.hypot(x, y)
 
 
-def _answer(track: Track, step: int, plan: FloorPlan, walk: RecordedWalk) -> str:
+def _answer(when: str, track: Track, step: int, case: Case) -> tuple[str, str]:
     estimate = track.estimates[step]
     if estimate.position_m is None:
-        return "no answer"
-    off = error_m(track, step, walk)
-    truth = "" if off is None else f"; the truth was {off:.1f} m away"
-    return f"{where(plan, estimate.position_m)}; {how_sure(estimate)}{truth}"
+        return f"{when}: no answer.", ""
+    off = error_m(track, step, case)
+    truth = "" if off is None else f" The truth was {off:.1f} m away."
+    place = where(case.plan, estimate.position_m)
+    return f"{when}: {place}.", f"How sure: {how_sure(estimate)}.{truth}"
 
 
-def _after(odometry: Odometry, step: int) -> str:
+def _after(case: Case, step: int) -> str:
+    odometry = case.odometry
     return f"{odometry.walked_m[step]:.0f} m ({odometry.time_s[step]:.0f} s)"
 
 
-def summary(tracks: list[Track], walk: RecordedWalk, odometry: Odometry) -> str:
-    """Say how several trials came out together; trials that never localized count."""
-    from statistics import median
+def row(track: Track, case: Case) -> list[str]:
+    """Return a line of the table of trials; see `HEADINGS`."""
+    step = localized_step(track)
+    if step is None:
+        return [str(track.seed), "never", "-", "-", "-", "-"]
+    estimate, off = track.estimates[step], error_m(track, step, case)
+    radius, position = estimate.radius_95_m, estimate.position_m
+    return [
+        str(track.seed),
+        _after(case, step),
+        "-" if position is None else where(case.plan, position),
+        _percent(estimate.p_within_2m),
+        "-" if radius is None else f"{radius:.1f} m",
+        "-" if off is None else f"{off:.1f} m",
+    ]
 
+
+def summary(tracks: Sequence[Track], case: Case) -> str:
+    """Say how several trials came out together; trials that never localized count."""
     steps = [localized_step(track) for track in tracks]
     found = [(track, step) for track, step in zip(tracks, steps, strict=True) if step is not None]
-    text = f"localized in {len(found)} of {len(tracks)} trials"
+    text = f"Localized in {len(found)} of {len(tracks)} trials"
     if not found:
-        return text
-    text += f", in the median after {median(odometry.walked_m[step] for _, step in found):.0f} m"
-    off = [error for track, step in found if (error := error_m(track, step, walk)) is not None]
+        return f"{text}."
+    walked = median(case.odometry.walked_m[step] for _, step in found)
+    off = [error for track, step in found if (error := error_m(track, step, case)) is not None]
     if not off:
-        return text
+        return f"{text}, in the median after {walked:.0f} m."
     wrong = sum(error > SAME_PLACE_M for error in off)
-    return f"{text} and {median(off):.1f} m off; {wrong} of {len(off)} more than 2 m off"
+    return (
+        f"{text}, in the median after {walked:.0f} m and {median(off):.1f} m off; "
+        f"{wrong} of {len(off)} more than 2 m off."
+    )

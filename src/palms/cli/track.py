@@ -15,6 +15,7 @@ from palms.cli._outputs import (
     is_stdout,
     progress,
     speaker,
+    table,
     write_result,
 )
 
@@ -97,20 +98,18 @@ def follow(case: Case, settings: Settings, seeds: range) -> list[Track]:
 
 def tell(tracks: list[Track], case: Case, say: Speaker) -> None:
     """Say what came out: a line for each trial, and all together when there are several."""
-    from palms.cli._words import at_the_end, outcome, summary
+    from palms.cli._words import HEADINGS, at_the_end, outcome, row, summary
 
-    if len(tracks) == 1:
-        say(_sentence(outcome(tracks[0], case.plan, case.walk, case.odometry)))
-        if tracks[0].estimates[-1].position_m is not None:
-            say(_sentence(at_the_end(tracks[0], case.plan, case.walk, case.odometry)))
+    if len(tracks) > 1:
+        for line in table(HEADINGS, [row(each, case) for each in tracks]):
+            say(line)
+        say(summary(tracks, case))
         return
-    for each in tracks:
-        say(f"Seed {each.seed}: {outcome(each, case.plan, case.walk, case.odometry)}.")
-    say(_sentence(summary(tracks, case.walk, case.odometry)))
-
-
-def _sentence(text: str) -> str:
-    return f"{text[:1].upper()}{text[1:]}."
+    (only,) = tracks
+    for first, second in (outcome(only, case), at_the_end(only, case)):
+        say(typer.style(first, bold=True))
+        if second:
+            say(f"  {second}")
 
 
 def document(tracks: list[Track], case: Case, settings: Settings) -> dict[str, object]:

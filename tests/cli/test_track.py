@@ -1,0 +1,181 @@
+import json
+import math
+
+import numpy as np
+import pytest
+
+from palms import Settings
+from palms.io import read_walk
+
+LISTS = {
+    "t_s", "x_m", "y_m", "heading_rad", "drift_rad", "stage", "p_within_1m", "p_within_2m",
+    "radius_68_m", "radius_95_m",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def document(palms, world, tmp_path_factory):
+    path = tmp_path_factory.mktemp("track") / "track.json"
+    arguments = (world.plan, world.scan, world.walk)
+    result = palms("track", *arguments, "--seed", 3, "--trials", 3, "--json", path)
+    assert result.exit_code == 0, result.output
+    return json.loads(path.read_text())
+
+
+def is_angle(value):
+    return value is None or -math.pi < value <= math.pi
+
+
+def check_steps(steps, intervals):
+    """The lists of a trial, as INTERFACE.md has them."""
+    assert steps.keys() == LISTS
+    assert {len(values) for values in steps.values()} == {len(intervals)}
+    assert steps["t_s"] == pytest.approx(np.cumsum(intervals))
+    assert steps["t_s"][0] == intervals[0]
+    assert set(steps["stage"]) <= {"searching", "oriented", "localized", "lost"}
+    assert all(map(is_angle, steps["heading_rad"] + steps["drift_rad"]))
+    for i, x in enumerate(steps["x_m"]):
+        if x is None:
+            others = ("y_m", "heading_rad", "drift_rad", "radius_68_m", "radius_95_m")
+            assert all(steps[name][i] is None for name in others)
+            assert steps["p_within_1m"][i] == steps["p_within_2m"][i] == 0
+        else:
+            assert all(isinstance(steps[name][i], float) for name in ("y_m", "drift_rad"))
+            assert 0 <= steps["p_within_1m"][i] <= steps["p_within_2m"][i] <= 1
+            assert 0 <= steps["radius_68_m"][i] <= steps["radius_95_m"][i]
+
+
+def check_trial(trial, seed, intervals):
+    steps = trial["steps"]
+    check_steps(steps, intervals)
+    assert trial.keys() == {"seed", "oriented_at_s", "localized_at_s", "steps"}
+    assert trial["seed"] == seed
+    entered = {
+        name: next(
+            (t for t, s in zip(steps["t_s"], steps["stage"], strict=True) if s in stages), None
+        )
+        for name, stages in (("localized", {"localized"}), ("oriented", {"oriented", "localized"}))
+    }
+    assert trial["localized_at_s"] == entered["localized"]
+    assert trial["oriented_at_s"] == entered["oriented"]
+
+
+def test_each_field_is_as_the_interface_says(document, world):
+    intervals = json.loads(world.walk.read_text())["time_intervals"]
+    assert document["schema"] == "palms-track/1"
+    assert document["plan"] == "plan"
+    assert document["method"] == "palms"
+    assert document["settings"]["start"]["n_particles"] == Settings().start.n_particles
+    assert document["versions"]["palms"]
+    assert len(document["trials"]) == 3
+    for seed, trial in enumerate(document["trials"], start=3):
+        check_trial(trial, seed, intervals)
+
+
+def test_heading_is_that_of_the_last_long_move(document):
+    steps = document["trials"][0]["steps"]
+    turned = np.subtract(steps["heading_rad"], steps["drift_rad"])
+    odom = np.repeat([0.0, np.pi / 2, np.pi], [4, 5, 4]) - 0.4
+    assert np.cos(turned - odom) == pytest.approx(1.0)
+
+
+def test_trial_i_is_a_run_of_its_own_with_seed_s_plus_i(document, palms, world):
+    for trial in document["trials"]:
+        arguments = (world.plan, world.scan, world.walk)
+        alone = palms("track", *arguments, "--seed", trial["seed"], "--json", "-")
+        assert json.loads(alone.stdout)["trials"] == [trial]
+
+
+def test_standard_output_holds_nothing_but_json(palms, world):
+    result = palms("track", world.plan, world.scan, world.walk, "--json", "-")
+    assert json.loads(result.stdout)["schema"] == "palms-track/1"
+    assert "t the end, after 4 m (7 s)" in result.stderr
+
+
+def test_words_say_when_and_where_and_how_far_off(palms, world):
+    result = palms("track", world.plan, world.scan, world.walk)
+    assert result.exit_code == 0
+    assert "ocalized" in result.stdout
+    assert "The truth was" in result.stdout
+    assert result.stderr == ""
+
+
+def test_a_line_for_each_trial(palms, world):
+    result = palms("track", world.plan, world.scan, world.walk, "--trials", 2, "--seed", 8)
+    headings, first, second, together = result.stdout.splitlines()
+    assert headings.startswith("seed  localized after")
+    assert first.split()[0] == "8"
+    assert second.split()[0] == "9"
+    assert together.startswith("Localized in ")
+
+
+def test_without_a_reference_nothing_is_said_of_the_truth(palms, own_world):
+    content = json.loads(own_world.walk.read_text())
+    del content["ARKit_PF"]
+    own_world.walk.write_text(json.dumps(content))
+    result = palms("track", own_world.plan, own_world.scan, own_world.walk)
+    assert result.exit_code == 0
+    assert "How sure" in result.stdout
+    assert "truth" not in result.stdout
+
+
+def test_scan_and_walk_may_be_folder_or_file(palms, world):
+    results = [
+        json.loads(palms("track", world.plan, scan, world.walk, "--json", "-").stdout)
+        for scan in (world.scan, world.scan / "detectedPlanes.json")
+    ]
+    assert results[0] == results[1]
+
+
+@pytest.mark.parametrize("method", ["paper", "authors", "uniform", "uniform-ori", "no-scan"])
+def test_each_method_runs_with_few_particles(palms, world, method):
+    arguments = (world.plan, world.scan, world.walk, "--method", method, "--particles", 200)
+    result = palms("track", *arguments, "--json", "-")
+    document = json.loads(result.stdout)
+    assert document["method"] == method
+    assert document["settings"]["start"]["n_particles"] == 200
+    intervals = json.loads(world.walk.read_text())["time_intervals"]
+    check_trial(document["trials"][0], 0, intervals)
+
+
+def test_before_there_is_a_belief_there_are_nulls(palms, world):
+    result = palms(
+        "track", world.plan, world.scan, world.walk, "--method", "uniform-ori", "--json", "-"
+    )
+    steps = json.loads(result.stdout)["trials"][0]["steps"]
+    assert steps["x_m"][0] is None
+    assert steps["p_within_2m"][0] == 0
+    assert steps["x_m"][-1] is not None
+
+
+def test_inertial_odometry_has_a_frame_of_its_own(palms, world):
+    arguments = ("track", world.plan, world.scan, world.walk, "--json", "-")
+    ronin = json.loads(palms(*arguments, "--walk-source", "ronin").stdout)
+    assert ronin["walk_source"] == "ronin"
+    assert ronin["trials"] != json.loads(palms(*arguments).stdout)["trials"]
+
+
+def test_a_file_of_before_is_replaced(palms, world, tmp_path):
+    path = tmp_path / "track.json"
+    path.write_text("old")
+    assert palms("track", world.plan, world.scan, world.walk, "--json", path).exit_code == 0
+    assert json.loads(path.read_text())["schema"] == "palms-track/1"
+    assert [each.name for each in tmp_path.iterdir()] == ["track.json"]
+
+
+def test_cell_size(palms, world):
+    result = palms("track", world.plan, world.scan, world.walk, "--cell-size", 0.2, "--json", "-")
+    assert json.loads(result.stdout)["settings"]["raster"]["cell_size_m"] == 0.2
+
+
+@pytest.mark.parametrize(
+    "wrong", [("--trials", 0), ("--seed", -1), ("--walk-source", "gps"), ("--speed", 1)]
+)
+def test_wrong_usage_is_exit_code_2(palms, world, wrong):
+    result = palms("track", world.plan, world.scan, world.walk, *wrong)
+    assert result.exit_code == 2
+    assert "Usage" in result.stderr
+
+
+def test_walk_is_read_as_the_library_reads_it(world):
+    assert len(read_walk(world.walk)) == world.steps

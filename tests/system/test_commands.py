@@ -1,0 +1,210 @@
+"""The commands as a user runs them: in a process of their own, on the sample building."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from palms.io import open_dataset
+from palms.sample import sample_folder
+
+COMMAND = [sys.executable, "-m", "palms"]
+CASE = open_dataset(sample_folder()).cases[0]
+PLAN, SCAN, WALK = (str(p) for p in (CASE.plan_path, CASE.scan_paths[0], CASE.walk_path))
+
+
+def palms(*arguments, cwd=None, **more):
+    return subprocess.run(
+        [*COMMAND, *map(str, arguments)],
+        cwd=cwd, capture_output=True, text=True, timeout=120, check=False, **more,
+    )  # fmt: skip
+
+
+def check_failure(result, says=""):
+    assert result.returncode == 1, result
+    assert result.stdout == ""
+    assert result.stderr.count("\n") == 1
+    assert result.stderr.startswith("palms: error: ")
+    assert "Traceback" not in result.stderr
+    assert says in result.stderr
+
+
+@pytest.fixture(scope="session")
+def demo(tmp_path_factory):
+    """The demo, run once; the loops may have to be compiled."""
+    folder = tmp_path_factory.mktemp("demo")
+    start = time.monotonic()
+    result = palms("demo", "--json", "demo.json", cwd=folder)
+    return SimpleNamespace(result=result, folder=folder, seconds=time.monotonic() - start)
+
+
+@pytest.fixture(scope="session")
+def track(tmp_path_factory):
+    """Two trials of the sample's walk, as JSON in a file."""
+    path = tmp_path_factory.mktemp("track") / "track.json"
+    result = palms("track", PLAN, SCAN, WALK, "--trials", 2, "--json", path)
+    return SimpleNamespace(result=result, document=json.loads(path.read_text()))
+
+
+def test_demo_says_where_how_sure_and_how_far_off(demo):
+    assert demo.result.returncode == 0, demo.result
+    assert re.search(r"Localized after \d+ m \(\d+ s\): \w+", demo.result.stdout)
+    assert re.search(r"(corridor|Room|Lab|Lobby)", demo.result.stdout)
+    assert re.search(r"within [\d.]+ m with \d+ %", demo.result.stdout)
+    assert re.search(r"The truth was [\d.]+ m away", demo.result.stdout)
+    assert demo.seconds < 60  # 20 on a quiet machine; this one runs the tests as well
+
+
+def test_demo_ends_at_the_right_place(demo):
+    document = json.loads((demo.folder / "demo.json").read_text())
+    steps = document["trials"][0]["steps"]
+    answer = steps["x_m"][-1], steps["y_m"][-1]
+    assert np.linalg.norm(answer - CASE.walk().reference_m[-1]) < 2.0
+    assert steps["stage"][-1] == "localized"
+
+
+def test_demo_draws_a_report_that_needs_nothing_else(demo):
+    folder = demo.folder / "palms-demo"
+    report = (folder / "report.html").read_text()
+    assert not re.findall(r'(?:src|href)="(?!data:|#)[^"]*"', report)
+    assert "data:image/" in report
+    pictures = [path for path in folder.iterdir() if path.suffix == ".png"]
+    assert pictures
+    assert all(path.read_bytes().startswith(b"\x89PNG") for path in pictures)
+    assert any(path.suffix in (".gif", ".webp") for path in folder.iterdir())
+    for image in re.findall(r'"data:image/[a-z]+;base64,([^"]+)"', report):
+        base64.b64decode(image, validate=True)
+
+
+def test_demo_in_a_pipe_is_plain_text(demo):
+    assert "\x1b" not in demo.result.stdout + demo.result.stderr
+
+
+def test_track_writes_what_it_says(track):
+    assert track.result.returncode == 0, track.result
+    document = track.document
+    assert document["schema"] == "palms-track/1"
+    assert [trial["seed"] for trial in document["trials"]] == [0, 1]
+    intervals = json.loads(Path(WALK).read_text())["time_intervals"]
+    for trial in document["trials"]:
+        assert trial["steps"]["t_s"] == pytest.approx(np.cumsum(intervals))
+        assert {len(values) for values in trial["steps"].values()} == {len(intervals)}
+
+
+def test_a_trial_is_a_run_of_its_own(track):
+    result = palms("track", PLAN, SCAN, WALK, "--seed", 1, "--json", "-")
+    assert json.loads(result.stdout)["trials"] == track.document["trials"][1:]
+
+
+def test_demo_is_the_first_trial(demo, track):
+    document = json.loads((demo.folder / "demo.json").read_text())
+    assert document["trials"] == track.document["trials"][:1]
+
+
+def test_track_draws_into_a_folder(tmp_path):
+    result = palms("track", PLAN, SCAN, WALK, "--out", tmp_path / "a" / "b")
+    assert result.returncode == 0, result
+    assert (tmp_path / "a" / "b" / "report.html").is_file()
+
+
+def test_locate_as_table_json_and_picture(tmp_path):
+    result = palms("locate", PLAN, SCAN, "--top", 3, "--json", "-", "--png", tmp_path / "a.png")
+    assert result.returncode == 0, result
+    candidates = json.loads(result.stdout)["candidates"]
+    assert len(candidates) == 3
+    assert all(each["room"] for each in candidates)
+    assert "probability" in result.stderr
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    "arguments", [("plan", "info", PLAN), ("scan", "info", SCAN), ("walk", "info", WALK)]
+)
+def test_info(arguments):
+    result = palms(*arguments)
+    assert result.returncode == 0, result
+    assert result.stdout.count("\n") >= 4
+
+
+def test_help_is_light():
+    code = "import sys, palms.cli.app; print(*sys.modules)"
+    loaded = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True
+    ).stdout.split()
+    assert not {"numpy", "numba", "scipy", "matplotlib", "pydantic", "shapely"} & set(loaded)
+
+
+def test_help_is_quick():
+    def seconds():
+        start = time.monotonic()
+        assert palms("--help").returncode == 0
+        return time.monotonic() - start
+
+    assert min(seconds() for _ in range(3)) < 1.0  # 0.3 on a quiet machine
+
+
+DAMAGES = {
+    "missing plan": ("no-such-file.csv", SCAN, WALK),
+    "scan for a plan": (SCAN, SCAN, WALK),
+    "walk for a scan": (PLAN, WALK, WALK),
+    "plan for a walk": (PLAN, SCAN, PLAN),
+    "unknown method": (PLAN, SCAN, WALK, "--method", "magic"),
+    "output below a file": (PLAN, SCAN, WALK, "--json", f"{PLAN}/track.json"),
+    "folder below a file": (PLAN, SCAN, WALK, "--out", f"{PLAN}/out"),
+}
+
+
+@pytest.mark.parametrize("name", DAMAGES)
+def test_bad_input_is_one_line(name, tmp_path):
+    check_failure(palms("track", *DAMAGES[name], cwd=tmp_path))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_wrong_usage_is_exit_code_2():
+    result = palms("track", PLAN)
+    assert result.returncode == 2
+    assert "Usage: palms track" in result.stderr
+
+
+def test_a_reader_that_goes_away_is_no_error():
+    shell = f'"{sys.executable}" -m palms track "{PLAN}" "{SCAN}" "{WALK}" --json - | head -c 1'
+    result = subprocess.run(
+        shell, shell=True, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert result.stdout == "{"
+    assert "Error" not in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no /dev/full here")
+def test_a_full_disk_is_one_line():
+    with open("/dev/full", "w") as full:
+        result = subprocess.run(
+            [*COMMAND, "formats"], stdout=full, stderr=subprocess.PIPE, text=True, check=False
+        )
+    assert result.returncode == 1
+    assert result.stderr == "palms: error: No space left on device\n"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of POSIX")
+@pytest.mark.parametrize("after_s", [1.0, 3.0])
+def test_interrupt_is_quiet(tmp_path, after_s):
+    arguments = ["track", PLAN, SCAN, WALK, "--trials", "2000", "--json", str(tmp_path / "a.json")]
+    with subprocess.Popen([*COMMAND, *arguments], stderr=subprocess.PIPE, text=True) as process:
+        time.sleep(after_s)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "Traceback" not in said
+    assert list(tmp_path.iterdir()) == []
