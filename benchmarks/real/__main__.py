@@ -8,15 +8,16 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from rich.console import Console
+from rich.progress import Progress
+
 from benchmarks.real.cases import Key, load_case, write_as_dataset
 from benchmarks.real.plans import GRADES, SUITES, cache_folder
 from benchmarks.real.radish import BUILDINGS, data_folder
 from benchmarks.real.run import Plan, as_json, run
 from benchmarks.real.table import markdown
-from rich.console import Console
-from rich.progress import Progress
-
 from palms.io import write_json, write_text
+from palms.settings import METHODS
 
 EXAMPLE = """examples:
   python -m benchmarks.real --methods paper,uniform --seeds 3 --jobs 2 --out /tmp/real
@@ -61,6 +62,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     if options.out is None:
         parser.error("say where the results go: --out DIR")
+    for name, given, known in (
+        ("methods", options.methods, METHODS),
+        ("buildings", options.buildings, BUILDINGS),
+        ("grades", options.grades, GRADES),
+        ("suites", options.suites, SUITES),
+    ):
+        if not set(given) <= set(known):
+            parser.error(f"--{name}: expected some of {', '.join(known)}; got {', '.join(given)}")
     plan = Plan(
         options.methods, options.buildings, options.grades, options.suites, options.starts,
         options.apart, options.seeds,

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+
 from benchmarks.real.plans import plan_for
 from benchmarks.real.radish import Log, odometry_of, read_log, reference_walk, scan_of
-
 from palms import PlanRaster, Scan, SegmentClass, Settings, rasterize, track
 from palms.evaluation.metrics import Answers, sample_step, trial_metrics
 from palms.evaluation.simulation.walker import TrueWalk

@@ -9,9 +9,9 @@ from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
+
 from benchmarks.real import walls as fitter
 from benchmarks.real.radish import BUILDINGS, Log
-
 from palms import FloorPlan, SegmentClass
 from palms.evaluation.simulation.walker import TrueWalk
 from palms.geometry import FloatArray, lengths

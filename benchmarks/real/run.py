@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import platform
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -11,10 +12,10 @@ from itertools import product
 from pathlib import Path
 from typing import Any
 
+import palms
 from benchmarks.real.cases import Key, load_case, run_trial
 from benchmarks.real.plans import GRADES, SUITES
 from benchmarks.real.radish import BUILDINGS, starts
-
 from palms import Settings
 
 
@@ -74,8 +75,16 @@ def as_json(plan: Plan, trials: list[dict[str, Any]]) -> dict[str, Any]:
         "versions": {
             "python": platform.python_version(),
             **{package: version(package) for package in packages},
+            "source": _source(),
         },
     }
+
+
+def _source() -> str:
+    """Digest of the method's source: results of different ones are not to be mixed."""
+    root = Path(palms.__file__).parent
+    files = sorted([*root.glob("*.py"), *root.glob("_compiled/*.py")])
+    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:16]
 
 
 def _finite(value: Any) -> Any:

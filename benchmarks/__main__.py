@@ -1,0 +1,44 @@
+"""`make bench`: every hot path, as a table and as JSON."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from pathlib import Path
+
+from benchmarks.harness import Result, machine, measure, table, write
+
+FILES = ("raster", "heatmaps", "filter", "convergence", "walk", "command")
+MARK = "<!-- table:speed -->", "<!-- /table:speed -->"
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    parser.add_argument("only", nargs="*", choices=[*FILES, []], help="some of the files")
+    parser.add_argument("--json", type=Path, help="write the results here")
+    parser.add_argument("--results", type=Path, help="put the table into this page")
+    arguments = parser.parse_args()
+    results: list[Result] = []
+    for name in arguments.only or FILES:
+        for case in importlib.import_module(f"benchmarks.bench_{name}").cases():
+            results.append(measure(case))
+            print(f"{case.name}: {results[-1].min_ms:.3g} ms", file=sys.stderr)
+    text = table(results)
+    print(text)
+    if arguments.json:
+        write(results, arguments.json)
+    if arguments.results:
+        put(text, arguments.results)
+
+
+def put(text: str, page: Path) -> None:
+    """Replace what stands between the page's marks by the table and the machine."""
+    before, rest = page.read_text().split(MARK[0])
+    after = rest.split(MARK[1])[1]
+    words = ", ".join(f"{k} {v}" for k, v in machine().items())
+    page.write_text(f"{before}{MARK[0]}\n\n{text}\n\n{words}\n\n{MARK[1]}{after}")
+
+
+if __name__ == "__main__":
+    main()
