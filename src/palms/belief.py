@@ -16,13 +16,10 @@ from palms.geometry import FloatArray, circular_mean, wrap_angle
 from palms.odometry import Move
 from palms.particles import Particles, thin
 from palms.randomness import RandomKey
-from palms.settings import ConvergenceSettings
+from palms.settings import AnswerSettings, ConvergenceSettings
 
 __all__ = ["Belief", "Estimate", "Hypothesis", "Stage", "settle", "summarize"]
 
-HEADING_MOVE_M = 0.05  # INTERFACE: shorter moves give no heading
-HYPOTHESES = 5  # ours: places worth telling a person
-HYPOTHESIS_RADIUS_M = 2.0  # ours: as p_within_2m
 _SETTLE = 6  # purpose of random numbers, after those of particles.py
 
 
@@ -215,7 +212,12 @@ class Estimate:
         return self.stage == Stage.LOCALIZED
 
 
-def summarize(belief: Belief, time_s: float, heading_odom_rad: float | None) -> Estimate:
+def summarize(
+    belief: Belief,
+    time_s: float,
+    heading_odom_rad: float | None,
+    settings: AnswerSettings | None = None,
+) -> Estimate:
     """Turn a belief into an answer that says how sure it is.
 
     Parameters
@@ -223,8 +225,10 @@ def summarize(belief: Belief, time_s: float, heading_odom_rad: float | None) -> 
     belief : Belief
     time_s : float
     heading_odom_rad : float or None
-        Direction of the last move longer than 5 cm, in the odom frame.
+        Direction of the last move long enough to have one, in the odom frame.
+    settings : AnswerSettings, optional
     """
+    settings = settings or AnswerSettings()
     particles, answer, drift = belief.particles, belief.answer_m, belief.drift_rad
     away = np.empty(len(particles))
     clusters.distances(particles.position_m, answer[0], answer[1], away)
@@ -235,15 +239,15 @@ def summarize(belief: Belief, time_s: float, heading_odom_rad: float | None) -> 
         clusters.weight_within(away, weight, 1.0), clusters.weight_within(away, weight, 2.0),
         clusters.weighted_quantile(away, weight, 0.68),
         clusters.weighted_quantile(away, weight, 0.95),
-        hypotheses(particles),
+        hypotheses(particles, settings.hypotheses, settings.hypothesis_radius_m),
     )  # fmt: skip
 
 
-def hypotheses(particles: Particles, n: int = HYPOTHESES) -> tuple[Hypothesis, ...]:
+def hypotheses(particles: Particles, n: int = 5, radius_m: float = 2.0) -> tuple[Hypothesis, ...]:
     """Return up to n places that hold most of the belief, most probable first."""
-    place, shares = clusters.heaviest_places(
-        particles.position_m, particles.weight, HYPOTHESIS_RADIUS_M, n
-    )
+    if n == 0:
+        return ()
+    place, shares = clusters.heaviest_places(particles.position_m, particles.weight, radius_m, n)
     found = []
     for k in np.flatnonzero(shares > 0):
         member = np.flatnonzero(place == k)

@@ -42,7 +42,7 @@ class Heatmaps:
     >>> from palms import FloorPlan
     >>> from palms.raster import rasterize
     >>> room = [[[0, 0], [6, 0]], [[6, 0], [6, 4]], [[6, 4], [0, 4]], [[0, 4], [0, 0]]]
-    >>> scan = Scan(np.array(room) - (2.0, 1.0))
+    >>> scan = Scan(np.array(room) - (2.05, 1.05))
     >>> heatmaps = match(scan, rasterize(FloorPlan(room)), np.array([0.0]))
     >>> heatmaps.grid.position_of(heatmaps.best_cell(0)).round(2).tolist()
     [2.05, 1.05]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from palms.belief import HEADING_MOVE_M, Belief, Estimate, Stage, settle, summarize
+from palms.belief import Belief, Estimate, Stage, settle, summarize
 from palms.errors import InputError
 from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
@@ -253,12 +253,16 @@ class Localizer:
 
     def _begin(self, particles: Particles) -> Estimate:
         self.belief = Belief(particles)
-        self.estimate = summarize(self.belief, self.estimate.time_s, self._heading)
+        self.estimate = self._summary(self.estimate.time_s)
         return self.estimate
+
+    def _summary(self, time_s: float) -> Estimate:
+        assert self.belief is not None
+        return summarize(self.belief, time_s, self._heading, self.settings.answer)
 
     def _take(self, move: Move) -> Estimate:
         self._step += 1
-        if move.length_m > HEADING_MOVE_M:
+        if move.length_m > self.settings.answer.heading_move_m:
             self._heading = float(np.arctan2(move.dy_m, move.dx_m))
         if self.belief is None:
             self.estimate = Estimate(move.time_s)
@@ -268,7 +272,7 @@ class Localizer:
             self.belief.particles, move, self.raster, self.settings.motion, key
         )
         self.belief = settle(self.belief, particles, move, self.settings.convergence, key)
-        self.estimate = summarize(self.belief, move.time_s, self._heading)
+        self.estimate = self._summary(move.time_s)
         if self._watch is not None:
             self._watch(self.estimate, self.belief, info)
         return self.estimate

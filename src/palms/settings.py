@@ -15,6 +15,7 @@ from palms.errors import SettingsError
 
 __all__ = [
     "METHODS",
+    "AnswerSettings",
     "CandidateSettings",
     "ConvergenceSettings",
     "MotionSettings",
@@ -81,7 +82,7 @@ class ScanSettings:
         Walls that lie wholly beyond this are not the scanner's; its range is 5 m
         (paper V), doubled because planes grow while the user turns (ours).
     min_length_m : float
-        Shorter walls are dropped (ours; METHOD section 5 sees none below 0.45 m).
+        Shorter walls are dropped (ours; ARKit reports hardly any below 0.45 m).
     """
 
     max_range_m: float = 10.0
@@ -199,7 +200,7 @@ class MotionSettings:
     Parameters
     ----------
     step_m : float
-        The step for which the other numbers hold (METHOD section 1: about 0.65 m).
+        The step for which the other numbers hold (ours: about a human step).
     length_m, direction_rad, drift_rad : float
         Standard deviations of a step's length and direction, and of the drift's change
         (paper silent, ours: fitted to visual-inertial odometry; authors' code: 0.356,
@@ -290,6 +291,35 @@ class ConvergenceSettings:
 
 
 @dataclass(frozen=True, slots=True)
+class AnswerSettings:
+    """What every answer reports.
+
+    Parameters
+    ----------
+    hypotheses : int
+        Live places named with their share; 0 leaves them out and saves time (ours).
+    hypothesis_radius_m : float
+        Radius of such a place (ours: as `p_within_2m`).
+    heading_move_m : float
+        Shorter moves give no heading (ours).
+    """
+
+    hypotheses: int = 5
+    hypothesis_radius_m: float = 2.0
+    heading_move_m: float = 0.05
+
+    def __post_init__(self) -> None:
+        _check(
+            "answer",
+            hypotheses=(0 <= self.hypotheses <= 100, "0 to 100", self.hypotheses),
+            hypothesis_radius_m=(
+                self.hypothesis_radius_m > 0, "above 0 m", self.hypothesis_radius_m
+            ),
+            heading_move_m=(self.heading_move_m >= 0, "0 m or more", self.heading_move_m),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
 class Settings:
     """All settings of a method; change one with `dataclasses.replace`.
 
@@ -297,7 +327,7 @@ class Settings:
     ----------
     method : str
         Name of the method, one of `METHODS`.
-    raster, scan, template, candidates, start, motion, convergence
+    raster, scan, template, candidates, start, motion, convergence, answer
         The groups.
 
     Examples
@@ -316,6 +346,7 @@ class Settings:
     start: StartSettings = field(default_factory=StartSettings)
     motion: MotionSettings = field(default_factory=MotionSettings)
     convergence: ConvergenceSettings = field(default_factory=ConvergenceSettings)
+    answer: AnswerSettings = field(default_factory=AnswerSettings)
 
     @classmethod
     def paper(cls) -> Settings:
