@@ -64,13 +64,16 @@ class PlanRaster:
         """Cells (R, C) inside the building, walls included.
 
         The plan's outline where it has one; else what the walls enclose once gaps of up to
-        twice `closing_m` are closed; else, for a plan with wider gaps, the walls' hull.
+        twice `closing_m` are closed. Where that is much less than the walls' hull, the plan
+        has holes, and the hull counts as inside too: a place too many dies at the first wall,
+        a place left out is never found.
         """
         if self.plan.outline_m is not None:
             return _within(self.plan.outline_m, self.grid)
         closed = _enclosed(self.density > 0, self.settings.closing_m / self.grid.cell_size_m)
         hull = _within(_hull(self.plan.segments_m), self.grid)
-        return closed if closed.sum() >= 0.5 * hull.sum() else hull
+        holes = closed.sum() < self.settings.enclosed_share * hull.sum()
+        return as_readonly(closed | hull, np.bool_) if holes else closed
 
     def blocked(self, start_m: npt.ArrayLike, end_m: npt.ArrayLike) -> npt.NDArray[np.bool_]:
         """Whether each move from start (N, 2) to end (N, 2) touches a wall or leaves the plan.

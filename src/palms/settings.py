@@ -52,6 +52,9 @@ class RasterSettings:
         Refuse larger rasters; 2e7 cells need about half a gigabyte (ours).
     closing_m : float
         Gaps up to twice this are closed to find the inside of a building (ours).
+    enclosed_share : float
+        A plan that encloses less than this share of its walls' hull has holes; then the
+        hull counts as inside (ours).
     """
 
     cell_size_m: float = 0.1
@@ -62,6 +65,7 @@ class RasterSettings:
     glass_weight: float = 0.5
     max_cells: int = 20_000_000
     closing_m: float = 1.5
+    enclosed_share: float = 0.9
 
     def __post_init__(self) -> None:
         _check(
@@ -69,6 +73,7 @@ class RasterSettings:
             cell_size_m=(0.01 <= self.cell_size_m <= 1.0, "0.01 to 1 m", self.cell_size_m),
             margin_m=(self.margin_m >= 0, "0 m or more", self.margin_m),
             max_cells=(self.max_cells >= 1, "at least 1", self.max_cells),
+            enclosed_share=(0 <= self.enclosed_share <= 1, "0 to 1", self.enclosed_share),
         )
 
 
@@ -82,7 +87,7 @@ class ScanSettings:
         Walls that lie wholly beyond this are not the scanner's; its range is 5 m
         (paper V), doubled because planes grow while the user turns (ours).
     min_length_m : float
-        Shorter walls are dropped (ours; ARKit reports hardly any below 0.45 m).
+        Shorter walls are dropped (ours).
     """
 
     max_range_m: float = 10.0

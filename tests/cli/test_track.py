@@ -5,6 +5,9 @@ import numpy as np
 import pytest
 
 from palms import Settings
+from palms.cli._inputs import make_settings, read_case
+from palms.cli._pictures import tell_story
+from palms.cli.track import follow
 from palms.io import read_walk
 
 LISTS = {
@@ -161,6 +164,29 @@ def test_a_file_of_before_is_replaced(palms, world, tmp_path):
     assert palms("track", world.plan, world.scan, world.walk, "--json", path).exit_code == 0
     assert json.loads(path.read_text())["schema"] == "palms-track/1"
     assert [each.name for each in tmp_path.iterdir()] == ["track.json"]
+
+
+def test_pictures_into_a_new_folder(palms, world, tmp_path):
+    out = tmp_path / "a" / "b"
+    result = palms("track", world.plan, world.scan, world.walk, "--out", out)
+    assert result.exit_code == 0, result.output
+    written = sorted(path.name for path in out.iterdir())
+    assert "pipeline.png" in written
+    assert all(name in result.stdout for name in written)
+
+
+def test_pictures_without_a_scan(palms, world, tmp_path):
+    arguments = (world.plan, world.scan, world.walk, "--method", "uniform")
+    assert palms("track", *arguments, "--out", tmp_path).exit_code == 0
+    assert any(tmp_path.iterdir())
+
+
+def test_pictures_show_the_track_of_the_json(palms, world):
+    settings = make_settings("palms")
+    case = read_case(world.plan, world.scan, world.walk, "arkit")
+    (alone,) = follow(case, settings, range(4, 5))
+    shown = tell_story(case, settings, 4).track
+    assert np.array_equal(alone.position_m, shown.position_m)
 
 
 def test_cell_size(palms, world):

@@ -9,10 +9,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from palms.io.files import make_folder
+from palms.localizer import locate, track
 from palms.plot.output import write_figure
+from palms.plot.pipeline import pipeline_figure
 from palms.plot.plans import draw_plan as draw_segments
 from palms.plot.plans import figure_size, plan_figure
+from palms.plot.recorder import Recorder
+from palms.plot.story import Story
 from palms.plot.style import ANSWER, GROUPS, INK, MUTED, frame_map, new_figure, styled
+from palms.raster import rasterize
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -23,7 +29,7 @@ if TYPE_CHECKING:
     from palms.scan import Scan
     from palms.settings import Settings
 
-__all__ = ["draw_places", "draw_plan", "draw_walk", "places_figure"]
+__all__ = ["draw_places", "draw_plan", "draw_walk", "places_figure", "tell_story"]
 
 
 def draw_plan(path: Path, plan: FloorPlan) -> None:
@@ -76,6 +82,40 @@ def places_figure(plan: FloorPlan, scan: Scan, places: Sequence[Place]) -> Figur
     return figure
 
 
-def draw_walk(folder: Path, case: Case, settings: Settings, seed: int) -> Path:
-    """Write report, figures and animation of a tracked walk; return the report's path."""
-    raise NotImplementedError
+def draw_walk(folder: Path, case: Case, settings: Settings, seed: int) -> list[Path]:
+    """Write the pictures of a tracked walk into a folder, made when it is not there.
+
+    Returns
+    -------
+    list of Path
+        What was written, the most worth looking at first.
+    """
+    story = tell_story(case, settings, seed)
+    make_folder(folder)
+    written = []
+    if story.heatmaps is not None and story.candidates is not None:
+        place = story.scan_place_m
+        figure = pipeline_figure(story.heatmaps, story.candidates, truth_m=place)
+        written.append(folder / "pipeline.png")
+        write_figure(written[-1], figure)
+    written.append(folder / "plan.png")
+    write_figure(written[-1], plan_figure(case.plan))
+    return written
+
+
+def tell_story(case: Case, settings: Settings, seed: int) -> Story:
+    """Track a walk again, the same to the bit, and keep what pictures need."""
+    raster = rasterize(case.plan, settings.raster)
+    recorder, by_scan = Recorder(), settings.start.source == "scan"
+    answers = track(raster, case.scan, case.odometry, settings, seed, recorder)
+    return Story(
+        raster,
+        case.odometry,
+        answers,
+        recorder,
+        case.scan,
+        locate(raster, case.scan, settings) if by_scan else None,
+        case.walk.reference_m if case.walk.has_reference.any() else None,
+        case.walk.start_m,
+        settings,
+    )

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from palms.cli import demo, formats, locate, plan, scan, track, walk
+from palms.cli import bench, demo, formats, locate, plan, scan, track, walk
 from palms.cli._errors import CheckedGroup
 
 __all__ = ["app"]
@@ -50,6 +50,7 @@ for command, name, epilog in (
     (demo.demo, "demo", demo.EXAMPLE),
     (locate.locate, "locate", locate.EXAMPLE),
     (track.track, "track", track.EXAMPLE),
+    (bench.bench, "bench", bench.EXAMPLE),
 ):
     app.command(name, epilog=epilog)(command)
 for group, name in ((plan.app, "plan"), (scan.app, "scan"), (walk.app, "walk")):

@@ -27,7 +27,7 @@ def demo(
 ) -> None:
     """Localize a phone in the sample building that comes with palms, and draw a report."""
     from palms.cli._inputs import make_settings
-    from palms.cli.track import document, follow, tell
+    from palms.cli.track import document, draw, follow, tell
 
     check_file(json)
     check_folder(out)
@@ -43,11 +43,8 @@ def demo(
     tracks = follow(case, settings, range(SEED, SEED + 1))
     tell(tracks, case, say)
     write_result(document(tracks, case, settings), json)
-    say("\nDrawing the report ...")
-    from palms.cli._pictures import draw_walk
-
-    report = draw_walk(out, case, settings, SEED)
-    say(f"Report: {report} (figures and animation beside it)")
+    say("\nDrawing ...")
+    draw(out, case, settings, SEED, say)
     if json is not None and not is_stdout(json):
         say(f"Result: {json}")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -73,9 +74,7 @@ def track(
     if json is not None and not is_stdout(json):
         say(f"Result: {json}")
     if out is not None:
-        from palms.cli._pictures import draw_walk
-
-        say(f"Report: {draw_walk(out, case, settings, seed)}")
+        draw(out, case, settings, seed, say)
 
 
 def follow(case: Case, settings: Settings, seeds: range) -> list[Track]:
@@ -110,6 +109,17 @@ def tell(tracks: list[Track], case: Case, say: Speaker) -> None:
         say(typer.style(first, bold=True))
         if second:
             say(f"  {second}")
+
+
+def draw(folder: Path, case: Case, settings: Settings, seed: int, say: Speaker) -> None:
+    """Write report, figures and animation of one trial, and say where they are."""
+    from palms.cli._pictures import draw_walk
+
+    first, *others = draw_walk(folder, case, settings, seed)
+    beside = ", ".join(path.name for path in others)
+    say(f"{'Report' if first.suffix == '.html' else 'Picture'}: {first}")
+    if beside:
+        say(f"  beside it: {beside}")
 
 
 def document(tracks: list[Track], case: Case, settings: Settings) -> dict[str, object]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from palms.evaluation.simulation.dice import chance, pick, uniform, weighted
-from palms.evaluation.simulation.layout import OUTSIDE, Passage, box, split_row
+from palms.evaluation.simulation.layout import OUTSIDE, Passage, box
 from palms.evaluation.simulation.skeleton import Span
 from palms.evaluation.simulation.styles import BuildingStyle, RowTheme
 from palms.floorplan import SegmentClass
@@ -123,7 +123,11 @@ def fill_row(row: Row, style: BuildingStyle, names: Names, rng: np.random.Genera
 def _plain(row: Row, style: BuildingStyle, names: Names, rng: np.random.Generator) -> Rooms:
     kinds, widths = _widths(row, rng)
     labels = [names.room("Room" if kind == "Studio" else kind) for kind in kinds]
-    shapes = split_row(labels, widths, (row.x.low, row.y.low), row.y.length)
+    edges = [*np.round(row.x.low + np.cumsum([0.0, *widths[:-1]]), 3).tolist(), row.x.high]
+    shapes = {
+        label: box(low, row.y.low, high, row.y.high)
+        for label, low, high in zip(labels, edges[:-1], edges[1:], strict=True)
+    }
     doors: list[Passage] = []
     mirrored, at = chance(rng, 0.6), uniform(rng, (0.08, 0.3))
     for i, (name, kind, wide) in enumerate(zip(labels, kinds, widths, strict=True)):
