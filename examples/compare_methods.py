@@ -6,7 +6,7 @@ import palms
 from palms.io import open_dataset
 from palms.sample import sample_folder
 
-SEEDS = range(5)
+SEEDS = range(3)
 WRONG_M = 2.0
 
 case = open_dataset(sample_folder()).cases[0]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -22,7 +21,7 @@ from palms.settings import RasterSettings
 __all__ = ["PlanRaster", "rasterize"]
 
 BUCKET_CELLS = 5  # ours: buckets of half a metre hold two to four walls indoors
-HALF_CELLS = 255  # clearance is kept in half cells, in a byte
+INSIDE_CELL_M = 0.3  # ours: the inside of a building needs no finer cells
 SLACK_M = 1e-6  # buckets overlap by this, so that rounding loses no wall
 
 
@@ -39,6 +38,11 @@ class PlanRaster:
     density : (R, C) float32
         Cells' worth of wall in each cell, weighted by class: the bitmap of paper III-B, but
         smooth, so that a wall shifted by half a cell gives half of the change.
+    inside : (R, C) bool
+        Cells inside the building, walls included: the plan's outline where it has one; else
+        what the walls enclose once gaps of up to twice `closing_m` are closed. Where that is
+        much less than the walls' hull, the plan has holes, and the hull counts as inside too:
+        a place too many dies at the first wall, a place left out is never found.
     walls : Walls
         What the particle loops need to know where moves end.
 
@@ -53,30 +57,15 @@ class PlanRaster:
     plan: FloorPlan
     grid: Grid
     density: npt.NDArray[np.float32]
+    inside: npt.NDArray[np.bool_]
     walls: loops.Walls
     settings: RasterSettings
     _spectra: dict[tuple[int, ...], npt.NDArray[np.complex64]] = field(
         default_factory=dict, repr=False, compare=False
     )
 
-    @cached_property
-    def inside(self) -> npt.NDArray[np.bool_]:
-        """Cells (R, C) inside the building, walls included.
-
-        The plan's outline where it has one; else what the walls enclose once gaps of up to
-        twice `closing_m` are closed. Where that is much less than the walls' hull, the plan
-        has holes, and the hull counts as inside too: a place too many dies at the first wall,
-        a place left out is never found.
-        """
-        if self.plan.outline_m is not None:
-            return _within(self.plan.outline_m, self.grid)
-        closed = _enclosed(self.density > 0, self.settings.closing_m / self.grid.cell_size_m)
-        hull = _within(_hull(self.plan.segments_m), self.grid)
-        holes = closed.sum() < self.settings.enclosed_share * hull.sum()
-        return as_readonly(closed | hull, np.bool_) if holes else closed
-
     def blocked(self, start_m: npt.ArrayLike, end_m: npt.ArrayLike) -> npt.NDArray[np.bool_]:
-        """Whether each move from start (N, 2) to end (N, 2) touches a wall or leaves the plan.
+        """Whether each move from start (N, 2) to end (N, 2) touches a wall or ends outside.
 
         Exact along the whole move, whatever its length; standing still is never blocked.
         """
@@ -118,7 +107,9 @@ def rasterize(plan: FloorPlan, settings: RasterSettings | None = None) -> PlanRa
     density = _density(plan.segments_m, by_class[plan.classes], grid, spread=True)
     np.minimum(density, np.sqrt(2), out=density)  # no cell holds more than one straight wall
     density.setflags(write=False)
-    return PlanRaster(plan, grid, density, _walls(plan.blocking_m, grid), settings)
+    inside = _inside(plan, grid, density, settings)
+    walls = _walls(plan.blocking_m, grid, _near(inside, settings.margin_m / grid.cell_size_m))
+    return PlanRaster(plan, grid, density, inside, walls, settings)
 
 
 def _grid(plan: FloorPlan, settings: RasterSettings) -> Grid:
@@ -150,20 +141,48 @@ def _density(
     return out
 
 
-def _walls(blocking_m: FloatArray, grid: Grid) -> loops.Walls:
+def _walls(blocking_m: FloatArray, grid: Grid, indoors: npt.NDArray[np.bool_]) -> loops.Walls:
     cell = grid.cell_size_m
     on_wall = _density(blocking_m, np.ones(len(blocking_m)), grid, spread=False) > 0
-    clearance = ndimage.distance_transform_edt(~on_wall) if on_wall.any() else np.zeros(grid.shape)
+    half_cells = np.floor(2 * ndimage.distance_transform_edt(indoors & ~on_wall))
+    clearance = np.where(indoors, np.clip(half_cells, 1, 255), loops.OUTSIDE)
     bucket = BUCKET_CELLS * cell
     rows, columns = (-(-n // BUCKET_CELLS) for n in grid.shape)
     start, items = cells.bucket_segments(_flat(blocking_m, grid), bucket, rows, columns, SLACK_M)
     return loops.Walls(
         as_readonly(blocking_m.reshape(-1, 4)),
-        as_readonly(np.minimum(np.floor(2 * clearance), HALF_CELLS), np.uint8),
+        as_readonly(clearance, np.uint8),
         as_readonly(start, np.int32),
         as_readonly(items, np.int32),
         as_readonly([*grid.origin_m, 1 / cell, 1 / bucket, rows, columns]),
     )
+
+
+def _inside(
+    plan: FloorPlan, grid: Grid, density: npt.NDArray[np.float32], settings: RasterSettings
+) -> npt.NDArray[np.bool_]:
+    """Find the inside on a coarser grid: it is smooth, and large plans are many cells."""
+    k = max(1, round(INSIDE_CELL_M / grid.cell_size_m))
+    rows, columns = (-(-n // k) for n in grid.shape)
+    coarse = Grid(grid.origin_m, k * grid.cell_size_m, (rows, columns))
+    if plan.outline_m is not None:
+        inside = _within(plan.outline_m, coarse)
+    else:
+        padded = np.zeros((rows * k, columns * k), np.bool_)
+        padded[: grid.shape[0], : grid.shape[1]] = density > 0
+        walls = padded.reshape(rows, k, columns, k).any(axis=(1, 3))
+        inside = _enclosed(walls, settings.closing_m / coarse.cell_size_m)
+        hull = _within(_hull(plan.segments_m), coarse)
+        if inside.sum() < settings.enclosed_share * hull.sum():
+            inside |= hull
+    fine = inside.repeat(k, axis=0).repeat(k, axis=1)[: grid.shape[0], : grid.shape[1]]
+    mask: npt.NDArray[np.bool_] = as_readonly(fine, np.bool_)
+    return mask
+
+
+def _near(mask: npt.NDArray[np.bool_], radius: float) -> npt.NDArray[np.bool_]:
+    """Return the cells within `radius` cells of a mask."""
+    return np.asarray(ndimage.distance_transform_edt(~mask) <= radius)
 
 
 def _within(outline_m: FloatArray, grid: Grid) -> npt.NDArray[np.bool_]:
@@ -173,9 +192,7 @@ def _within(outline_m: FloatArray, grid: Grid) -> npt.NDArray[np.bool_]:
     shapely.prepare(polygon)
     rows, columns = np.indices(grid.shape)
     centres = grid.position_of(np.stack([rows, columns], axis=-1))
-    mask: npt.NDArray[np.bool_] = shapely.contains_xy(polygon, centres[..., 0], centres[..., 1])
-    mask.setflags(write=False)
-    return mask
+    return np.asarray(shapely.contains_xy(polygon, centres[..., 0], centres[..., 1]))
 
 
 def _hull(segments_m: FloatArray) -> FloatArray:
@@ -192,9 +209,6 @@ def _enclosed(walls: npt.NDArray[np.bool_], radius: float) -> npt.NDArray[np.boo
     """Return what walls enclose after morphological closing by a disc of `radius` cells."""
     pad = int(np.ceil(radius)) + 2
     padded = np.pad(walls, pad)
-    grown = ndimage.distance_transform_edt(~padded) <= radius
-    filled = ndimage.binary_fill_holes(grown)
+    filled = ndimage.binary_fill_holes(_near(padded, radius))
     shrunk = ndimage.distance_transform_edt(filled) > radius
-    mask: npt.NDArray[np.bool_] = np.ascontiguousarray((shrunk | padded)[pad:-pad, pad:-pad])
-    mask.setflags(write=False)
-    return mask
+    return np.ascontiguousarray((shrunk | padded)[pad:-pad, pad:-pad])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import subprocess
 import sys
@@ -93,6 +94,12 @@ def _same_line(wanted: str, got: str) -> bool:
 
 def _near(a: float, b: float) -> bool:
     return abs(a - b) <= max(0.5, 0.1 * abs(a))
+
+
+def shell_environment(home: Path) -> dict[str, str]:
+    """What a shell needs to find the commands of this environment, with another home."""
+    path = f"{Path(python()).parent}{os.pathsep}{os.environ['PATH']}"
+    return {**os.environ, "PATH": path, "HOME": str(home), "COLUMNS": "200"}
 
 
 def python() -> str:

@@ -3,12 +3,19 @@
 import contextlib
 import io
 import json
-import os
-from pathlib import Path
 
 import pytest
 
-from tests.docs.pages import PAGES, ROOT, blocks, commands, name_of, python, run_in_shell, same
+from tests.docs.pages import (
+    PAGES,
+    ROOT,
+    blocks,
+    commands,
+    name_of,
+    run_in_shell,
+    same,
+    shell_environment,
+)
 
 RUNNING = [page for page in PAGES if {"python", "console"} & {b.kind for b in blocks(page)}]
 
@@ -17,8 +24,7 @@ RUNNING = [page for page in PAGES if {"python", "console"} & {b.kind for b in bl
 def environment(tmp_path):
     home = tmp_path / "home"
     home.mkdir()
-    path = f"{Path(python()).parent}{os.pathsep}{os.environ['PATH']}"
-    return {**os.environ, "PATH": path, "HOME": str(home), "COLUMNS": "200"}
+    return shell_environment(home)
 
 
 def run_python(text, names, where):
@@ -47,10 +53,7 @@ def test_code_runs_and_prints_what_the_page_shows(page, tmp_path, monkeypatch, e
 
 
 def test_the_readme_shows_all_three_levels():
-    (readme,) = [
-        page for page in PAGES if page.name == "README.md" and page.parent == PAGES[0].parent
-    ]
-    code = "\n".join(b.text for b in blocks(readme) if b.kind == "python")
+    code = "\n".join(b.text for b in blocks(ROOT / "README.md") if b.kind == "python")
     for word in ("palms.track", "find_candidates", "start_from", "advance", "settle", "summarize",
                  "Localizer"):  # fmt: skip
         assert word in code

@@ -49,7 +49,7 @@ def test_each_setting_has_its_row_with_unit_values_and_origin():
     assert list(rows) == list(presets[0])
     for name, row in rows.items():
         assert [in_code(cell) for cell in row[2:5]] == [repr(values[name]) for values in presets]
-        assert len(row[5]) > 20
+        assert len(row[5]) > 10
         for suffix, unit in (("_m", "m"), ("_rad", "rad"), ("_cells", "cells")):
             if name.endswith(suffix) and not isinstance(presets[0][name], bool):
                 assert row[1] in (unit, "cells"), name
@@ -138,6 +138,12 @@ def test_the_schema_of_a_location_is_described():
     assert f"## {document['schema']}" in text
     shown = re.search(r'"candidates": (\[\{.*\}\])', text)
     assert set(json.loads(shown.group(1))[0]) == set(document["candidates"][0])
+
+
+def test_the_measures_of_a_benchmark_are_described():
+    metrics = importlib.import_module("palms.evaluation.metrics")
+    names = {field.name for field in dataclasses.fields(metrics.TrialMetrics)}
+    assert names <= keys_of_table(FILES)
 
 
 def test_every_file_of_the_sample_is_described():

@@ -30,7 +30,8 @@ SPREAD = np.uint64(0xD1342543DE82EF95)
 MIX_1, MIX_2 = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 S11, S27, S30, S31 = np.uint64(11), np.uint64(27), np.uint64(30), np.uint64(31)
 LOW_7 = np.uint64(127)
-SLACK_CELLS = 3.0  # both ends may lie off their cell's centre, and walls off theirs
+OUTSIDE = 0  # clearance of a cell where no phone can be
+SLACK_CELLS = 3.5  # ends may lie off their cell's centre, walls off theirs; a wall's cell has 1
 TOUCH_M = 1e-9  # a move that comes this near to a wall touches it
 
 
@@ -42,7 +43,8 @@ class Walls(NamedTuple):
     segments : (M, 4) float64
         Blocking segments x0, y0, x1, y1.
     clearance : (R, C) uint8
-        Distance from a cell to the nearest cell with a wall, in half cells, at most 255.
+        Distance from a cell to the nearest cell with a wall or outside, in half cells, at
+        most 255; 1 in a cell with a wall, 0 outside, where no phone can be.
     start, items : int32
         Bucket b holds the segments items[start[b]:start[b + 1]].
     frame : (6,) float64
@@ -183,7 +185,10 @@ def _meets_any(segments, start, items, frame, x0, y0, x1, y1):
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")
 def _far_from_walls(clearance, frame, x0, y0, x1, y1):
-    """Whether both ends lie so far from any wall that none can stand between them."""
+    """Whether both ends lie so far from any wall that none can stand between them.
+
+    False as well for a move that ends outside, which `_blocked` then judges.
+    """
     rows, columns = clearance.shape
     c0 = int(math.floor((x0 - frame[0]) * frame[2]))
     r0 = int(math.floor((y0 - frame[1]) * frame[2]))
@@ -198,13 +203,13 @@ def _far_from_walls(clearance, frame, x0, y0, x1, y1):
 
 @njit(cache=True, nogil=True, error_model="numpy", forceinline=True)
 def _blocked(segments, clearance, start, items, frame, x0, y0, x1, y1):
-    """Whether a move touches a wall or leaves the raster; standing still does neither."""
+    """Whether a move touches a wall or ends outside; standing still does neither."""
     if x0 == x1 and y0 == y1:
         return False
     rows, columns = clearance.shape
     c1 = math.floor((x1 - frame[0]) * frame[2])
     r1 = math.floor((y1 - frame[1]) * frame[2])
-    if not (0 <= c1 < columns and 0 <= r1 < rows):
+    if not (0 <= c1 < columns and 0 <= r1 < rows) or clearance[r1, c1] == OUTSIDE:
         return True
     return _meets_any(segments, start, items, frame, x0, y0, x1, y1)
 

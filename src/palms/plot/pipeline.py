@@ -28,13 +28,14 @@ from palms.plot.style import (
     degrees,
     draw_particles,
     frame_map,
+    group_entries,
     groups_of,
     new_figure,
     styled,
+    truth_entry,
     truth_mark,
 )
 from palms.scan import Scan
-from palms.template import Template
 
 __all__ = ["draw_scan", "pipeline_figure"]
 
@@ -84,22 +85,22 @@ def pipeline_figure(
     low, high = heatmaps.raster.plan.bounds_m
     aspect = float(np.clip((high[0] - low[0]) / max(high[1] - low[1], 1e-6), 0.6, 2.0))
     figure = new_figure(14.0, 3.4 + 3.6 / aspect)
-    left, right = figure.add_gridspec(1, 2, width_ratios=(2.05, 1.0))
+    left, right = figure.add_gridspec(1, 2, width_ratios=(1.8, 1.0))
     rows = GridSpecFromSubplotSpec(2, 12, subplot_spec=left)
     shown, scores = _four_maps(heatmaps)
     best = max(range(len(shown)), key=lambda i: float(scores[i].max()))
     _scan_panel(figure.add_subplot(rows[0, :4]), heatmaps.scan)
     _plan_panel(figure.add_subplot(rows[0, 4:8]), heatmaps, truth)
-    _template_panel(figure, figure.add_subplot(rows[0, 8:]), heatmaps.template(shown[best]))
+    _template_panel(figure, figure.add_subplot(rows[0, 8:]), heatmaps, shown[best])
     panels = [figure.add_subplot(rows[1, 3 * i : 3 * i + 3]) for i in range(len(shown))]
     _heatmap_panels(figure, panels, heatmaps, (shown, scores))
     _particles_panel(figure.add_subplot(right), candidates, (particles, truth, heatmaps))
+    for axes in figure.axes:
+        axes.set_anchor("N")
     return figure
 
 
-def draw_scan(
-    axes: Axes, walls_m: FloatArray, colour: str = SCAN, width: float = 2.6
-) -> None:
+def draw_scan(axes: Axes, walls_m: FloatArray, colour: str = SCAN, width: float = 2.6) -> None:
     """Draw the walls (N, 2, 2) of a scan, in the frame of the axes."""
     axes.add_collection(
         LineCollection(
@@ -112,11 +113,13 @@ def draw_scan(
 def _scan_panel(axes: Axes, scan: Scan) -> None:
     """What the scanner saw around the observation point, with circles of range."""
     walls = scan.relative_m
-    reach = max(float(np.abs(walls).max()), _RINGS_M[-1]) * 1.04
+    reach = _reach_m(scan)
     frame_map(axes, (-reach, -reach), (reach, reach))
     for radius in _RINGS_M:
         axes.add_patch(
-            Circle((0, 0), radius, fill=False, edgecolor=MUTED, linewidth=0.6, linestyle=(0, (2, 3)))
+            Circle(
+                (0, 0), radius, fill=False, edgecolor=MUTED, linewidth=0.6, linestyle=(0, (2, 3))
+            )
         )
         at = radius * np.sqrt(0.5)
         axes.text(at, -at, f"{radius:g} m", fontsize=7, color=MUTED, ha="center", va="center",
@@ -124,6 +127,10 @@ def _scan_panel(axes: Axes, scan: Scan) -> None:
     draw_scan(axes, walls)
     axes.plot([0], [0], marker="o", markersize=5, color=INK, zorder=6)
     axes.set_title("1  Scan")
+
+
+def _reach_m(scan: Scan) -> float:
+    return 1.04 * max(float(np.linalg.norm(scan.relative_m, axis=-1).max()), _RINGS_M[-1])
 
 
 def _plan_panel(axes: Axes, heatmaps: Heatmaps, truth: FloatArray | None) -> None:
@@ -135,23 +142,25 @@ def _plan_panel(axes: Axes, heatmaps: Heatmaps, truth: FloatArray | None) -> Non
     axes.set_title("2  Floor plan")
 
 
-def _template_panel(figure: Figure, axes: Axes, template: Template) -> None:
-    """RW - alpha * CES: walls wanted in blue, walls not wanted in brown."""
-    rows, columns = template.values.shape
+def _template_panel(figure: Figure, axes: Axes, heatmaps: Heatmaps, k: int) -> None:
+    """RW - alpha * CES at the scale of the scan: walls wanted, and walls not wanted."""
+    template, cell = heatmaps.template(k), heatmaps.grid.cell_size_m
+    reach = _reach_m(heatmaps.scan)
+    frame_map(axes, (-reach, -reach), (reach, reach))
+    limits = axes.get_xlim(), axes.get_ylim()
     bound = float(np.abs(template.values).max()) or 1.0
+    left, bottom = (-(a + 0.5) * cell for a in template.anchor[::-1])
+    rows, columns = template.values.shape
     image = axes.imshow(
         template.values, origin="lower", cmap="PuOr", vmin=-bound, vmax=bound,
+        extent=(left, left + columns * cell, bottom, bottom + rows * cell),
         interpolation="nearest",
     )  # fmt: skip
-    row, column = template.anchor
-    axes.plot([column], [row], marker="o", markersize=5, color=INK)
-    axes.set_xlim(-0.5, columns - 0.5)
-    axes.set_ylim(-0.5, rows - 0.5)
-    axes.set_xticks([])
-    axes.set_yticks([])
-    bar = figure.colorbar(image, ax=axes, shrink=0.85, aspect=14, pad=0.02)
+    axes.set(xlim=limits[0], ylim=limits[1])
+    axes.plot([0], [0], marker="o", markersize=5, color=INK)
+    bar = figure.colorbar(image, ax=axes, shrink=0.7, aspect=14, pad=0.01, anchor=(0.0, 0.75))
     bar.set_ticks([-bound, 0.0, bound])
-    bar.set_ticklabels([f"{-bound:.2g}\nempty".replace("-", "−"), "0", f"{bound:.2g}\nwall"])
+    bar.set_ticklabels([f"{-bound:.2g} empty".replace("-", "−"), "0", f"{bound:.2g} wall"])
     bar.ax.tick_params(labelsize=7.5, length=2)
     bar.outline.set_visible(False)  # type: ignore[operator]
     axes.set_title(f"3  Template, drift {degrees(template.drift_rad)}")
@@ -178,9 +187,7 @@ def _heatmap_panels(
 ) -> None:
     """Heatmaps on one scale, each framed in the colour of its drift."""
     drifts, every = heatmaps.drifts_rad, shown[1]
-    styles = groups_of(
-        np.array(shown[0]), drifts[shown[0]], by_label=len(drifts) <= len(GROUPS)
-    )
+    styles = groups_of(np.array(shown[0]), drifts[shown[0]], by_label=len(drifts) <= len(GROUPS))
     top = max(float(scores.max()) for scores in every)
     low = 0.0 if top > 0 else min(float(scores.min()) for scores in every)
     for i, (axes, scores) in enumerate(zip(panels, every, strict=True)):
@@ -269,13 +276,15 @@ def _particles_panel(
         position, label = particles.position_m[chosen], particles.label[chosen]
         drift, word = particles.drift_rad[chosen], "particles"
     group = groups_of(label, drift, by_label)
-    lines = draw_particles(axes, position, group, 3.0)
-    for k, line in enumerate(lines):
+    draw_particles(axes, position, group, 3.0)
+    entries = group_entries(np.unique(group))
+    for k, entry in zip(np.unique(group), entries, strict=True):
         mine = drift[group == k]
-        about = "about " if not by_label else ""
-        name = f"drift {about}{degrees(float(np.median(mine)))}" if len(mine) else ""
-        line.set_label(f"{name}: {100 * len(mine) / len(group):.0f} %" if name else "_none")
+        about = "" if by_label else "about "
+        share = f"{100 * len(mine) / len(group):.0f} %"
+        entry.set_label(f"drift {about}{degrees(float(np.median(mine)))}: {share}")
     if truth is not None:
         truth_mark(axes, *truth)
+        entries.append(truth_entry())
     axes.set_title(f"5  {len(group):,} {word}")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2, markerscale=2.2)
+    axes.legend(handles=entries, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=2)

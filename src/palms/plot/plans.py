@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from typing import Any, Final, NamedTuple
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import Normal, Stroke
 
 from palms.floorplan import FloorPlan, Room, SegmentClass
+from palms.geometry import FloatArray, rotate
 from palms.plot.style import INK, MUTED, SCAN, WALL, frame_map, new_figure, styled
 
 __all__ = ["draw_plan", "figure_size", "plan_figure", "plan_legend"]
 
-_NAME_PT: Final = (4.2, 7.5)  # smallest and largest size of a room's name
+_NAME_PT: Final = (7.5, 6.5, 5.5, 4.5)  # sizes of a room's name, to be tried in this order
 _CHARACTER: Final = 0.62  # width of a character over its size
 _Dashes = str | tuple[float, tuple[float, ...]]
 
@@ -29,7 +33,7 @@ class _Stroke(NamedTuple):
 
 _STROKES: Final = {
     SegmentClass.OPENING: _Stroke(MUTED, 0.9, (0, (1, 2.2)), "opening"),
-    SegmentClass.DOOR: _Stroke(MUTED, 1.0, (0, (3.2, 1.8)), "door"),
+    SegmentClass.DOOR: _Stroke("#c26a1a", 1.8, (0, (1.1, 0.7)), "door"),
     SegmentClass.GLASS: _Stroke(SCAN, 2.8, "solid", "glass"),
     SegmentClass.WALL: _Stroke(WALL, 1.5, "solid", "wall"),
 }
@@ -55,7 +59,8 @@ def draw_plan(axes: Axes, plan: FloorPlan, width: float = 1.0, colour: str | Non
         axes.add_collection(
             LineCollection(
                 list(segments), colors=colour or stroke.colour, linestyles=[stroke.dashes],
-                linewidths=width * stroke.width_pt, capstyle="round", zorder=2, gid=gid,
+                linewidths=width * stroke.width_pt, capstyle="butt" if kind == SegmentClass.DOOR else "round",
+                zorder=2, gid=gid,
             ),
             autolim=False,
         )  # fmt: skip
@@ -75,13 +80,16 @@ def plan_legend(plan: FloorPlan) -> list[Line2D]:
     ['wall']
     """
     kinds = [kind for kind in reversed(_STROKES) if len(plan.of_class(kind))]
-    return [
-        Line2D(
+    entries = []
+    for stroke in (_STROKES[kind] for kind in kinds):
+        entry = Line2D(
             [], [], color=stroke.colour, linewidth=stroke.width_pt, linestyle=stroke.dashes,
             label=stroke.word,
-        )
-        for stroke in map(_STROKES.__getitem__, kinds)
-    ]  # fmt: skip
+        )  # fmt: skip
+        if stroke.word == "glass":
+            entry.set_path_effects([Normal(), Stroke(linewidth=1.1, foreground="white")])
+        entries.append(entry)
+    return entries
 
 
 def figure_size(plan: FloorPlan, area_in2: float, extra_in: float = 0.0) -> tuple[float, float]:
@@ -152,45 +160,46 @@ def _points_per_metre(figure: Figure, plan: FloorPlan) -> float:
 
 
 def _name_room(axes: Axes, room: Room, points_per_m: float) -> None:
-    """Write a name along the longer side of its room, or its number, or nothing."""
+    """Write a room's name where it fits, or its number, or nothing."""
     import shapely
 
     shape = shapely.make_valid(shapely.Polygon(room.polygon_m))
-    long_m, short_m, angle = _oriented_box(shape)
-    for text in dict.fromkeys((room.name, room.name.split()[-1])):
-        size = min(
-            _NAME_PT[1],
-            0.88 * long_m * points_per_m / (_CHARACTER * len(text)),
-            0.6 * short_m * points_per_m,
-        )
-        if size >= _NAME_PT[0]:
-            x, y = _middle(shape)
+    shapely.prepare(shape)
+    angles, middles = _long_directions(shape), _middles(shape)
+    texts = dict.fromkeys((room.name, room.name.split()[-1])) if room.name.strip() else ()
+    for text, size, angle, middle in itertools.product(texts, _NAME_PT, angles, middles):
+        box = _box(middle, (_CHARACTER * len(text) + 0.5, 1.25), size / points_per_m, angle)
+        if shape.contains(shapely.Polygon(box)):
             axes.text(
-                x, y, text, fontsize=size, rotation=angle, rotation_mode="anchor", ha="center",
-                va="center", color=INK, zorder=4, gid="room-name",
+                *middle, text, fontsize=size, rotation=angle, rotation_mode="anchor",
+                ha="center", va="center", color=INK, zorder=4, gid="room-name",
             )  # fmt: skip
             return
 
 
-def _oriented_box(shape: Any) -> tuple[float, float, float]:  # noqa: ANN401
-    """Longer side, shorter side and direction in degrees, in (-90, 90], of the tightest box."""
+def _box(
+    middle: tuple[float, float], characters: tuple[float, float], size_m: float, angle: float
+) -> FloatArray:
+    """Corners (4, 2) of a text of some characters' width and height."""
+    half = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * characters * (size_m / 2)
+    return rotate(half, math.radians(angle)) + middle
+
+
+def _long_directions(shape: Any) -> tuple[float, float]:  # noqa: ANN401
+    """Directions in degrees, in (-90, 90], of the longer and the shorter side of a room."""
     import shapely
 
     corners = shapely.get_coordinates(shapely.minimum_rotated_rectangle(shape))
-    sides = corners[1:3] - corners[:2]
-    length = [math.hypot(*side) for side in sides]
-    k = 0 if length[0] >= length[1] * 1.25 or abs(sides[0][0]) >= abs(sides[1][0]) else 1
-    k = 1 if length[1] > 1.25 * length[0] else k
-    angle = math.degrees(math.atan2(sides[k][1], sides[k][0]))
-    return length[k], length[1 - k], 90 - (90 - angle) % 180
+    sides = sorted(corners[1:3] - corners[:2], key=lambda side: -math.hypot(*side))
+    long, short = (90 - (90 - math.degrees(math.atan2(y, x))) % 180 for x, y in sides)
+    square = math.hypot(*sides[0]) < 1.25 * math.hypot(*sides[1])
+    return (short, long) if square and abs(short) < abs(long) else (long, short)
 
 
-def _middle(shape: Any) -> tuple[float, float]:  # noqa: ANN401
-    """Return the centroid where it lies well inside, else the centre of the largest circle."""
+def _middles(shape: Any) -> tuple[tuple[float, float], ...]:  # noqa: ANN401
+    """Return the centroid and the centre of the largest circle inside."""
     import shapely
 
-    radius = shapely.maximum_inscribed_circle(shape, tolerance=0.05)
-    centre = shape.centroid
-    if not shape.contains(centre) or shape.boundary.distance(centre) < 0.6 * radius.length:
-        centre = shapely.Point(shapely.get_coordinates(radius)[0])
-    return float(centre.x), float(centre.y)
+    circle = shapely.maximum_inscribed_circle(shape, tolerance=0.05)
+    points = shape.centroid.coords[0], circle.coords[0]
+    return tuple((float(x), float(y)) for x, y in points)

@@ -28,7 +28,8 @@ class Snapshot:
     position_m : (N, 2) float32
         Of some of the particles, chosen in proportion to their weights.
     group : (N,) int8
-        In which of the four styles each is drawn; see `palms.plot.style.groups_of`.
+        In which style each is drawn: 0 to 3, see `palms.plot.style.groups_of`; 4 when
+        there are no labels to tell them apart.
 
     Examples
     --------
@@ -77,7 +78,7 @@ class Recorder:
         self.every = max(1, every)
         self.n_particles = max(1, n_particles)
         self.frames: list[Snapshot] = []
-        self._by_label = True
+        self._by_label, self._any_drift = True, False
         self._step = 0
         self._kept: dict[str, Snapshot] = {}
         self._last: tuple[Estimate, Particles] | None = None
@@ -87,6 +88,7 @@ class Recorder:
         particles = belief.particles
         if self._step == 0:
             self._by_label = int(particles.label.max()) < len(GROUPS)
+            self._any_drift = not particles.label.any() and np.ptp(particles.drift_rad) > np.pi
         begins = [name for name in MOMENTS[:3] if self._begins(name, estimate.stage)]
         is_frame = self._step % self.every == 0
         if begins or is_frame:
@@ -124,6 +126,8 @@ class Recorder:
     def _snapshot(self, estimate: Estimate, particles: Particles) -> Snapshot:
         chosen = by_weight(particles.weight, self.n_particles)
         group = groups_of(particles.label[chosen], particles.drift_rad[chosen], self._by_label)
+        if self._any_drift:
+            group[:] = len(GROUPS)
         return Snapshot(estimate, particles.position_m[chosen].astype(np.float32), group)
 
 

@@ -92,9 +92,7 @@ class Story:
         """The heatmaps behind the candidates; None without scan or candidates."""
         if self.scan is None or self.candidates is None:
             return None
-        return match(
-            self.scan, self.raster, self.candidates.drifts_rad, self.settings.template
-        )
+        return match(self.scan, self.raster, self.candidates.drifts_rad, self.settings.template)
 
     @cached_property
     def error_m(self) -> FloatArray | None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Final, NamedTuple, ParamSpec, TypeVar
 
 import matplotlib as mpl
@@ -25,23 +25,29 @@ from palms.geometry import wrap_angle
 
 __all__ = [
     "ANSWER",
+    "ANY_DRIFT",
     "EMPTY",
     "GROUPS",
     "INK",
+    "INTRUDER",
     "MUTED",
+    "SCAN",
     "STAGE_LINES",
     "TRUTH",
     "WALL",
     "GroupStyle",
     "add_scale_bar",
     "answer_mark",
+    "answer_entry",
     "degrees",
     "draw_particles",
     "frame_map",
     "groups_of",
+    "group_entries",
     "lightness",
     "new_figure",
     "styled",
+    "truth_entry",
     "truth_mark",
 ]
 
@@ -55,6 +61,7 @@ ANSWER: Final = "#b3160b"  # dark red: the filter's answer
 TRUTH: Final = "#12a06f"  # bluish green: where the walker truly was
 EMPTY: Final = "#e69f00"  # orange: certainly empty space
 SCAN: Final = "#0072b2"  # blue: what the scan saw
+INTRUDER: Final = "#d7191c"  # bright red, always thick: walls where none can be
 
 
 class GroupStyle(NamedTuple):
@@ -80,6 +87,8 @@ GROUPS: Final = (
     GroupStyle("#4aa3df", "^", "θ + 180°"),
     GroupStyle("#b0508c", "D", "θ − 90°"),
 )
+
+ANY_DRIFT: Final = GroupStyle("#6b6b6b", "o", "any drift")  # style 4, of those without labels
 
 STAGE_LINES: Final = {
     Stage.SEARCHING: (0, (1, 1.6)),
@@ -205,14 +214,22 @@ def draw_particles(
 ) -> list[Line2D]:
     """Draw particles (N, 2) in the styles of their groups; the rarest lie on top.
 
+    Parameters
+    ----------
+    axes : Axes
+    position_m : (N, 2)
+    group : (N,)
+        0 to 3 for one of `GROUPS`, 4 for `ANY_DRIFT`.
+    size_pt : float
+
     Returns
     -------
     list of Line2D
-        One for each group in `GROUPS`, with gid ``particles-<k>``.
+        One for each style, with gid ``particles-<k>``.
     """
-    counts = np.bincount(group, minlength=len(GROUPS))
+    counts = np.bincount(group, minlength=len(GROUPS) + 1)
     drawn = []
-    for k, style in enumerate(GROUPS):
+    for k, style in enumerate((*GROUPS, ANY_DRIFT)):
         mine = position_m[group == k]
         (line,) = axes.plot(
             mine[:, 0], mine[:, 1], linestyle="none", marker=style.marker, markersize=size_pt,
@@ -237,6 +254,37 @@ def answer_mark(axes: Axes, x_m: float, y_m: float, label: str = "answer") -> No
         [x_m], [y_m], linestyle="none", marker="o", markersize=8, markeredgewidth=1.4,
         color=ANSWER, markeredgecolor="white", zorder=9, label=label, gid="answer",
     )  # fmt: skip
+
+
+def truth_entry(label: str = "true place") -> Line2D:
+    """Return the legend entry of `truth_mark`."""
+    return Line2D(
+        [], [], linestyle="none", marker="x", markersize=8, markeredgewidth=2.4, color=TRUTH,
+        label=label,
+    )  # fmt: skip
+
+
+def answer_entry(label: str = "answer") -> Line2D:
+    """Return the legend entry of `answer_mark`."""
+    return Line2D([], [], linestyle="none", marker="o", markersize=7, color=ANSWER, label=label)
+
+
+def group_entries(groups: Iterable[int]) -> list[Line2D]:
+    """Return legend entries for groups of particles.
+
+    Examples
+    --------
+    >>> [entry.get_label() for entry in group_entries([0, 4])]
+    ['drift θ', 'any drift']
+    """
+    styles = [(*GROUPS, ANY_DRIFT)[k] for k in groups]
+    return [
+        Line2D(
+            [], [], linestyle="none", marker=style.marker, markersize=5.5, color=style.colour,
+            label=style.word if style == ANY_DRIFT else f"drift {style.word}",
+        )
+        for style in styles
+    ]  # fmt: skip
 
 
 _HALO_WIDE = (patheffects.withStroke(linewidth=4.6, foreground="white"),)
@@ -271,7 +319,7 @@ def add_scale_bar(axes: Axes) -> None:
     (x0, x1), (y0, y1) = axes.get_xlim(), axes.get_ylim()
     length = _round_length(_BAR_SHARE * (x1 - x0))
     size = max(x1 - x0, y1 - y0)
-    x, y = x0 + 0.03 * size, y0 + 0.02 * size
+    x, y = x0 + 0.035 * size, y0 + 0.035 * size
     tick = 0.008 * size
     axes.plot(
         [x, x, x, x + length, x + length, x + length],

@@ -14,7 +14,7 @@ from palms.evaluation.simulation.rows import Names, Rooms, Row, fill_row
 from palms.evaluation.simulation.skeleton import Block, Port, Span
 from palms.evaluation.simulation.styles import BuildingStyle
 from palms.floorplan import Room, SegmentClass
-from palms.geometry import FloatArray
+from palms.geometry import FloatArray, lengths
 
 __all__ = ["STAIRS", "Piece", "fill_block"]
 
@@ -25,6 +25,7 @@ _BESIDE = "@"  # begins the names of what lies beside the block and is no room o
 _DEEP_M = 9.5  # simulation: two rows back to back need this much
 _ALCOVE_M = (1.5, 4.0), (0.5, 1.6)  # simulation: width and depth
 _PLAIN_CORE_SHARE = 0.2  # simulation: cores that are one deep row of large rooms
+_SLIVER_M = 0.05  # ours: no piece of wall is shorter
 _WINDOW_SHARE = 0.4  # simulation: corridors with a window at their ends
 
 
@@ -52,9 +53,7 @@ class _Kit(NamedTuple):
 
     def row(self, x: Span, y: Span, corridors: Sequence[str], outer: bool) -> Rooms:
         theme = pick(self.rng, self.style.themes)
-        return fill_row(
-            Row(x, y, tuple(corridors), theme, outer), self.style, self.names, self.rng
-        )
+        return fill_row(Row(x, y, tuple(corridors), theme, outer), self.style, self.names, self.rng)
 
 
 def fill_block(
@@ -107,7 +106,7 @@ def _stairs(block: Block) -> list[Span]:
 
 
 def _without(whole: Span, cuts: Sequence[Span]) -> list[Span]:
-    """What is left of a span when others are cut out of it."""
+    """Return what is left of a span when others are cut out of it."""
     edges = [whole.low, *(v for cut in sorted(cuts) for v in cut), whole.high]
     return [Span(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
@@ -125,7 +124,9 @@ def _gap(block: Block, gap: int, ways: Sequence[str], kit: _Kit) -> Rooms:
         if x.length < 0.1:
             continue
         if (gap, cell) in block.courts:
-            rooms += _court(f"{_BESIDE}court {gap} {cell}", box(x.low, y.low, x.high, y.high), sides, kit)
+            rooms += _court(
+                f"{_BESIDE}court {gap} {cell}", box(x.low, y.low, x.high, y.high), sides, kit
+            )
         else:
             rooms += _cell(x, y, sides, kit)
     return rooms
@@ -183,7 +184,7 @@ def _ports(block: Block, ways: Sequence[str], rooms: Rooms, rng: np.random.Gener
         else:
             way = next(n for n, s in rooms.shapes.items() if _is_way(n, s, port))
         kind = pick(rng, (None, None, SegmentClass.OPENING, SegmentClass.DOOR))
-        wide = min(1.8, port.way.length - 0.41) if kind is SegmentClass.DOOR else None
+        wide = min(1.8, round(port.way.length - 0.45, 2)) if kind is SegmentClass.DOOR else None
         found += Rooms({name: _beside(block, port)}, (Passage(name, way, 0.5, wide, kind),))
     return found
 
@@ -196,7 +197,7 @@ def _is_way(name: str, shape: Any, port: Port) -> bool:  # noqa: ANN401
 
 
 def _beside(block: Block, port: Port) -> Any:  # noqa: ANN401
-    """A metre of the foyer behind a port."""
+    """Return a metre of the foyer behind a port."""
     low, high = port.wall
     w, d = block.width_m, block.depth_m
     return {
@@ -221,7 +222,7 @@ def _with_alcoves(rooms: Rooms, kit: _Kit) -> Rooms:
             continue
         if not chance(kit.rng, kit.style.alcove_share):
             continue
-        a = round(uniform(kit.rng, (_ALCOVE_M[0][0], min(_ALCOVE_M[0][1], wide - 3.2))), 2)
+        a = round(uniform(kit.rng, (_ALCOVE_M[0][0], min(_ALCOVE_M[0][1], wide - 4.6))), 2)
         b = round(uniform(kit.rng, _ALCOVE_M[1]), 2)
         x = low_x if chance(kit.rng, 0.5) else round(high_x - a, 3)
         above = way is not None and way.bounds[1] < low_y
@@ -237,7 +238,7 @@ def _drawn(block: Block, rooms: Rooms) -> Piece:
     low, high = plan.segments_m.min(axis=1), plan.segments_m.max(axis=1)
     beyond = ((high < -1e-6) | (low > corner + 1e-6)).any(axis=1)
     clipped = np.clip(plan.segments_m, 0.0, corner)
-    kept = ~beyond & (np.abs(clipped[:, 1] - clipped[:, 0]).max(axis=1) > 1e-6)
+    kept = ~beyond & (lengths(clipped) > _SLIVER_M)
     columns = np.concatenate([np.empty((0, 2, 2)), *rooms.columns_m])
     segments = np.concatenate([clipped[kept], columns])
     classes = np.concatenate([plan.classes[kept], np.zeros(len(columns), np.uint8)])

@@ -180,7 +180,7 @@ def _floor(
 
 
 def _foyer(skeleton: Skeleton, foyer: Foyer, names: Names, rng: np.random.Generator) -> Piece:
-    """The room between a block and its wing: two outer walls, columns in large ones."""
+    """Draw the room between a block and its wing: two outer walls, columns in a large one."""
     import shapely
 
     ring = skeleton.ring_m(foyer)
@@ -197,7 +197,7 @@ def _foyer(skeleton: Skeleton, foyer: Foyer, names: Names, rng: np.random.Genera
 def _facade(
     start: FloatArray, end: FloatArray, rng: np.random.Generator
 ) -> list[tuple[FloatArray, SegmentClass]]:
-    """An outer wall, of brick or of glass with an entrance in it."""
+    """Draw an outer wall, of brick or of glass with an entrance in it."""
     length = float(np.linalg.norm(end - start))
     if length < _FACADE_M or not chance(rng, 0.6):
         return [(np.stack([start, end]), SegmentClass.WALL)]

@@ -6,14 +6,17 @@ second comes out with the same errors.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from palms.errors import InputError
 from palms.evaluation.simulation.settings import InertialNoise, VioNoise
 from palms.evaluation.simulation.walker import TrueWalk
-from palms.geometry import FloatArray
+from palms.geometry import FloatArray, rotate, wrap_angle
 from palms.odometry import Odometry
 
-__all__ = ["inertial_odometry", "vio_odometry"]
+__all__ = ["drift_of", "inertial_odometry", "vio_odometry", "with_jump"]
 
 
 def vio_odometry(
@@ -33,7 +36,7 @@ def vio_odometry(
     Returns
     -------
     Odometry
-        In the odom frame, starting from (0, 0).
+        In the odom frame, starting from (0, 0); with the phone's facing when the truth has it.
 
     Examples
     --------
@@ -51,7 +54,9 @@ def vio_odometry(
     scale = rng.normal(1.0, noise.scale_sd)
     white = rng.normal(size=truth.moves_m.shape) * np.sqrt(walked)[:, None]
     moves = scale * _turned(truth.moves_m, turned - drift_rad) + noise.white_m_per_sqrt_m * white
-    return Odometry(truth.time_s, np.cumsum(moves, axis=0))
+    facing = None if truth.facing_rad is None else truth.facing_rad + turned - drift_rad
+    position = np.cumsum(moves, axis=0)
+    return Odometry(truth.time_s, position, None if facing is None else wrap_angle(facing))
 
 
 def inertial_odometry(truth: TrueWalk, noise: InertialNoise, rng: np.random.Generator) -> Odometry:
@@ -92,6 +97,58 @@ def inertial_odometry(truth: TrueWalk, noise: InertialNoise, rng: np.random.Gene
     moves = scale[:, None] * (truth.moves_m + sideways[:, None] * across)
     position = np.cumsum(_turned(moves, rate * truth.time_s + frame), axis=0)
     return Odometry(truth.time_s, position, frame="own", source="inertial")
+
+
+def with_jump(
+    odometry: Odometry, at: int, shift_m: tuple[float, float], turn_rad: float
+) -> Odometry:
+    """Let the odometry jump during one move, without notice.
+
+    Parameters
+    ----------
+    odometry : Odometry
+    at : int
+        The move.
+    shift_m : tuple of float
+        Added to it, in the odom frame.
+    turn_rad : float
+        By this all that follows is turned.
+
+    Examples
+    --------
+    >>> straight = Odometry([1.0, 2.0, 3.0], [[1.0, 0.0], [2.0, 0.0], [3.0, 0.0]])
+    >>> with_jump(straight, 1, (0.0, 5.0), np.pi / 2).position_m.round(6).tolist()
+    [[1.0, 0.0], [2.0, 5.0], [2.0, 6.0]]
+    """
+    moves = odometry.displacements_m.copy()
+    moves[at + 1 :] = rotate(moves[at + 1 :], turn_rad)
+    moves[at] += shift_m
+    facing = odometry.facing_rad
+    if facing is not None:
+        later = np.arange(len(facing)) >= at
+        facing = wrap_angle(facing + turn_rad * later)
+    position = odometry.start_m + np.cumsum(moves, axis=0)
+    return replace(odometry, position_m=position, facing_rad=facing)
+
+
+def drift_of(odometry: Odometry, truth: TrueWalk) -> FloatArray:
+    """Return the true drift (T,) of an odometry at each of its samples, from both facings.
+
+    Raises
+    ------
+    InputError
+        When one of them has no facing.
+
+    Examples
+    --------
+    >>> truth = TrueWalk([1, 2], [[1, 0], [2, 0]], [0, 0], [0, 0], facing_rad=[0.5, 0.5])
+    >>> odometry = vio_odometry(truth, 0.3, VioNoise(0.0, 0.0, 0.0), np.random.default_rng(0))
+    >>> drift_of(odometry, truth).round(6).tolist()
+    [0.3, 0.3]
+    """
+    if odometry.facing_rad is None or truth.facing_rad is None:
+        raise InputError("drift of an odometry", expected="facings", got="none")
+    return np.asarray(wrap_angle(truth.facing_rad - odometry.facing_rad))
 
 
 def _turned(moves: FloatArray, angle_rad: FloatArray) -> FloatArray:

@@ -18,6 +18,7 @@ from palms.grid import Grid
 __all__ = ["FreeSpace", "Ways", "find_ways", "free_space"]
 
 _CORRIDOR_DOORS = 4  # ours: a room with as many doors is one that people pass through
+_PASSING = ("corridor", "foyer")  # ours: and so is one that is called so
 _NEIGHBOURS = ((0, 1), (1, 0), (1, 1), (1, -1), (1, 2), (2, 1), (1, -2), (2, -1))
 _START_M = 0.3  # ours: less than from one side of a wall to where people stand on the other
 
@@ -100,7 +101,7 @@ def free_space(world: World, settings: RouteSettings) -> FreeSpace:
 
 
 def _corridors(plan: FloorPlan) -> Any:  # noqa: ANN401
-    """Area of the rooms with many doors; everything where a plan names no rooms."""
+    """Area of corridors and of rooms with many doors; everything where a plan names no rooms."""
     import shapely
 
     ways_in = plan.of_class(SegmentClass.DOOR, SegmentClass.OPENING).mean(axis=1)
@@ -109,7 +110,12 @@ def _corridors(plan: FloorPlan) -> Any:  # noqa: ANN401
         ring = shapely.LinearRing(room.polygon_m)
         return int((shapely.distance(shapely.points(ways_in), ring) < 0.2).sum())
 
-    wanted = [room for room in plan.rooms if doors_of(room) >= _CORRIDOR_DOORS]
+    wanted = [
+        room
+        for room in plan.rooms
+        if any(word in room.name.casefold() for word in _PASSING)
+        or doors_of(room) >= _CORRIDOR_DOORS
+    ]
     if not wanted:
         return inside_of(plan)
     area = shapely.union_all([shapely.Polygon(room.polygon_m).buffer(0.01) for room in wanted])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -15,13 +16,14 @@ from palms.evaluation.simulation.styles import BuildingStyle, RowTheme
 from palms.floorplan import SegmentClass
 from palms.geometry import FloatArray
 
-__all__ = ["Names", "Row", "Rooms", "columns_in", "fill_row"]
+__all__ = ["Names", "Rooms", "Row", "columns_in", "fill_row"]
 
 _NARROW_M = 2.2  # simulation: rooms narrower than this are closets
 _LOBBY_M = (9.0, 15.0)  # simulation
 _LONG_M = 24.0  # simulation: rows that may have a lobby
 _WIDE_M = 6.4  # simulation: rooms that may have two doors, and an alcove beside them
 _COLUMN_M = 0.45  # simulation
+_CLEAR_M = -1.9  # simulation: columns stand so far inside
 
 
 @dataclass
@@ -114,7 +116,10 @@ def fill_row(row: Row, style: BuildingStyle, names: Names, rng: np.random.Genera
         wide = uniform(rng, _LOBBY_M)
         low = round(row.x.low + uniform(rng, (4.0, row.x.length - wide - 4.0)), 2)
         span = Span(low, round(low + wide, 2))
-        before, after = replace(row, x=Span(row.x.low, low)), replace(row, x=Span(span[1], row.x[1]))
+        before, after = (
+            replace(row, x=Span(row.x.low, low)),
+            replace(row, x=Span(span[1], row.x[1])),
+        )
         parts = _plain(before, style, names, rng), _plain(after, style, names, rng)
         return parts[0] + _lobby(replace(row, x=span), names, rng) + parts[1]
     return _plain(row, style, names, rng)
@@ -134,7 +139,7 @@ def _plain(row: Row, style: BuildingStyle, names: Names, rng: np.random.Generato
         place = 1.0 - at if mirrored and i % 2 else at
         place = 0.5 if chance(rng, 0.1) else place
         doors += _doors(name, row, (kind, wide, place), rng)
-    for a, b in zip(labels, labels[1:], strict=False):
+    for a, b in pairwise(labels):
         if chance(rng, style.suite_share):
             doors.append(Passage(a, b, uniform(rng, (0.2, 0.8))))
     return Rooms(shapes, tuple(doors))
@@ -176,7 +181,7 @@ def _widths(row: Row, rng: np.random.Generator) -> tuple[list[str], list[float]]
 
 
 def _lobby(row: Row, names: Names, rng: np.random.Generator) -> Rooms:
-    """A lobby or lounge: wide open to the corridor, glass and a door to the outside, columns."""
+    """Make a lobby: wide open to the corridor, with columns, a glass front and an entrance."""
     name = names.other("Lobby" if row.outer else "Lounge")
     opening = uniform(rng, (4.0, row.x.length - 1.5))
     corridor = pick(rng, row.corridors)
@@ -204,20 +209,23 @@ def columns_in(
     import shapely
 
     spacing = uniform(rng, (3.6, 5.0))
-    inner = shapely.affinity.rotate(
-        shape.buffer(-1.9, join_style="mitre"), -turn_rad, origin=(0, 0), use_radians=True
-    )
+    c, s = np.cos(turn_rad), np.sin(turn_rad)
+    turn = np.array([[c, s], [-s, c]])  # from the grid's axes, for rows of points
+    inner = shapely.transform(shape.buffer(_CLEAR_M, join_style="mitre"), lambda xy: xy @ turn.T)
     if inner.is_empty:
         return ()
     low_x, low_y, high_x, high_y = inner.bounds
-    rows, cols = (int(d / spacing) + 1 for d in (high_y - low_y, high_x - low_x))
-    xs = np.linspace(low_x, high_x, cols + 2)[1:-1] if cols < 2 else np.linspace(low_x, high_x, cols)
-    ys = np.linspace(low_y, high_y, rows + 2)[1:-1] if rows < 2 else np.linspace(low_y, high_y, rows)
-    c, s = np.cos(turn_rad), np.sin(turn_rad)
-    half = _COLUMN_M / 2
+    square = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]) * _COLUMN_M
     found = []
-    for x, y in [(x, y) for x in xs for y in ys if inner.buffer(1e-6).covers(shapely.Point(x, y))]:
-        corners = np.array([[-half, -half], [half, -half], [half, half], [-half, half]]) + (x, y)
-        corners = np.round(corners @ np.array([[c, s], [-s, c]]), 3)
-        found.append(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1))
+    for x in _spread(low_x, high_x, spacing):
+        for y in _spread(low_y, high_y, spacing):
+            if inner.buffer(1e-6).covers(shapely.Point(x, y)):
+                corners = np.round((square + np.array([x, y])) @ turn, 3)
+                found.append(np.stack([corners, np.roll(corners, -1, axis=0)], axis=1))
     return tuple(found)
+
+
+def _spread(low: float, high: float, spacing: float) -> FloatArray:
+    """Points about a spacing apart between two ends; the middle alone where it is short."""
+    count = int((high - low) / spacing) + 1
+    return np.linspace(low, high, count) if count > 1 else np.array([(low + high) / 2])

@@ -11,7 +11,15 @@ from dataclasses import dataclass
 
 from palms.errors import SettingsError
 
-__all__ = ["InertialNoise", "RouteSettings", "ScannerNoise", "VioNoise", "WorldNoise"]
+__all__ = [
+    "InertialNoise",
+    "PlanNoise",
+    "RouteSettings",
+    "ScannerNoise",
+    "StartSettings",
+    "VioNoise",
+    "WorldNoise",
+]
 
 
 def _check_not_negative(values: object) -> None:
@@ -73,6 +81,55 @@ class WorldNoise:
     def none(cls) -> WorldNoise:
         """Return the world that is exactly its plan: thin walls, doors open, no furniture."""
         return cls(*(0.0,) * 4, 0, *(0.0,) * 5)
+
+
+@dataclass(frozen=True, slots=True)
+class PlanNoise:
+    """How a drawing differs from the building as it was planned: it has gone stale.
+
+    Parameters
+    ----------
+    moved_share, missing_share : float
+        Share of the partitions between rooms that are drawn elsewhere, or not at all
+        (simulation: 10 % of them together).
+    moved_m : float
+        How far at most (simulation).
+    merged_share : float
+        Share of the rooms that are drawn as one with a neighbour (simulation).
+    door_undrawn_share : float
+        Share of the doors that are drawn as wall (simulation).
+    column_undrawn_share : float
+        Share of the free-standing columns that are not drawn (simulation).
+    scale_sd : float
+        Spread of the drawing's scale (simulation: 1 %).
+    one_way_share : float
+        Probability that the scale is off in one direction only (simulation).
+    two_faces_share : float
+        Probability that walls are drawn as two faces, not as centre lines (simulation).
+
+    Examples
+    --------
+    >>> PlanNoise.none().scale_sd
+    0.0
+    """
+
+    moved_share: float = 0.05
+    missing_share: float = 0.05
+    moved_m: float = 1.0
+    merged_share: float = 0.03
+    door_undrawn_share: float = 0.08
+    column_undrawn_share: float = 0.5
+    scale_sd: float = 0.01
+    one_way_share: float = 0.5
+    two_faces_share: float = 0.25
+
+    def __post_init__(self) -> None:
+        _check_not_negative(self)
+
+    @classmethod
+    def none(cls) -> PlanNoise:
+        """Return the drawing that is exactly what was planned."""
+        return cls(*(0.0,) * 9)
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,6 +258,42 @@ class RouteSettings:
         for name in ("cell_size_m", "step_m", "speed_m_s"):
             if getattr(self, name) <= 0:
                 raise SettingsError(f"RouteSettings.{name}", expected="above 0", got="0")
+
+
+@dataclass(frozen=True, slots=True)
+class StartSettings:
+    """Where users scan: where there is something to see.
+
+    Parameters
+    ----------
+    walls : int
+        A scan of a whole turn has at least so many walls (ours).
+    length_m : float
+        And so many metres of them (ours).
+    second_m : float
+        Of which so many run at another angle than the rest (ours).
+    clearance_m : float
+        Nobody scans nearer to a wall (simulation).
+    apart_m : float
+        Starts lie at least so far apart, where the building is large enough (ours).
+    corridor_share : float
+        Share of the starts in corridors and foyers (simulation).
+
+    Examples
+    --------
+    >>> StartSettings().walls
+    4
+    """
+
+    walls: int = 4
+    length_m: float = 8.0
+    second_m: float = 1.2
+    clearance_m: float = 0.55
+    apart_m: float = 10.0
+    corridor_share: float = 0.7
+
+    def __post_init__(self) -> None:
+        _check_not_negative(self)
 
 
 @dataclass(frozen=True, slots=True)

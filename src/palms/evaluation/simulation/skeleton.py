@@ -26,7 +26,7 @@ from palms.geometry import FloatArray, rotate
 
 __all__ = ["Block", "Foyer", "Port", "Skeleton", "Span", "draw_skeleton"]
 
-_CLEAR_M = 3.4  # ours: width of stairs at the ends of a row; nothing cuts the row there
+_CLEAR_M = 5.8  # ours: stairs and a room beside them, at the ends of a row
 _APART_M = 3.2  # ours: rooms between two short corridors are at least so wide
 _ALLEY_M = 1.0  # ours: between a wing and another part of the building
 _TRIES = 40  # ours
@@ -105,7 +105,7 @@ class Block:
     crosses: tuple[Span, ...] = ()
     dead_ends: tuple[tuple[Side, Span], ...] = ()
     courts: tuple[tuple[int, int], ...] = ()
-    pose: Pose = Pose()
+    pose: Pose = Pose()  # noqa: RUF009
     ports: tuple[Port, ...] = ()
 
     def outline_m(self) -> FloatArray:
@@ -114,7 +114,7 @@ class Block:
         return self.pose.apply([[0, 0], [w, 0], [w, d], [0, d]])
 
     def wall_m(self, side: Side, wall: Span) -> FloatArray:
-        """Ends (2, 2) of a stretch of a side: right, left, as seen looking outwards."""
+        """Return the right and left end (2, 2) of a stretch of a side, as seen looking outwards."""
         low, high = wall
         ends = {
             "east": [[self.width_m, low], [self.width_m, high]],
@@ -255,7 +255,7 @@ def _with_dead_ends(block: Block, style: BuildingStyle, rng: np.random.Generator
     for side, row in (("south", block.corridors[0].low), ("north", 1.0)):
         if row > 0 and block.width_m > 20.0 and chance(rng, style.dead_end_share):
             wide = round(uniform(rng, style.stub_m), 2)
-            low = round(uniform(rng, (_CLEAR_M + 3.0, block.width_m - _CLEAR_M - 3.0 - wide)), 2)
+            low = round(uniform(rng, (_CLEAR_M + 1.0, block.width_m - _CLEAR_M - 1.0 - wide)), 2)
             span = Span(low, round(low + wide, 2))
             if all(_apart(span, other) for other in block.cuts(side)):  # type: ignore[arg-type]
                 found.append((side, span))
@@ -291,7 +291,7 @@ def _port(
     block: Block, side: Side, wing: Block, how: tuple[BuildingStyle, float],
     rng: np.random.Generator,
 ) -> Port | None:  # fmt: skip
-    """Draw where a wing is joined to a side: a straight one face to face, a bent one at a corner."""
+    """Draw where a wing is joined: a straight one face to face, a bent one at a corner."""
     style, bend = how
     along = block.depth_m if side in ("east", "west") else block.width_m
     if side in ("east", "west"):
@@ -311,7 +311,8 @@ def _port(
         low = way.middle - (wing.depth_m - faces if mirrored else faces)
         wall = Span(low, low + wing.depth_m)
     wall = Span(round(wall.low, 3), round(wall.high, 3))
-    return Port(side, wall, way) if wall.low >= 0 and wall.high <= along else None
+    fits = 0 <= wall.low <= way.low and way.high <= wall.high <= along
+    return Port(side, wall, way) if fits else None
 
 
 def _is_free(block: Block, port: Port) -> bool:

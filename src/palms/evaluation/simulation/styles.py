@@ -101,7 +101,7 @@ class BuildingStyle:
     court_share: float = 0.22
     dead_end_share: float = 0.3
     wing_weights: tuple[float, ...] = (0.30, 0.36, 0.24, 0.10)
-    wing_m: _Range = (14.0, 40.0)
+    wing_m: _Range = (17.0, 40.0)
     bend_deg: _Range = (20.0, 70.0)
     foyer_m: _Range = (2.6, 6.0)
     wedge_m: _Range = (1.2, 3.2)

@@ -34,6 +34,10 @@ class TrueWalk:
         Direction of each step, in the map frame.
     start_m : array_like (2,)
         Where the first step began.
+    facing_rad : array_like (T,), optional
+        Where the phone looks at those times, in the map frame.
+    level : sequence of str
+        Name of the floor at those times; empty when there is only one.
 
     Raises
     ------
@@ -51,6 +55,8 @@ class TrueWalk:
     position_m: FloatArray
     heading_rad: FloatArray
     start_m: FloatArray
+    facing_rad: FloatArray | None = None
+    level: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "position_m", check_points(self.position_m, "true positions"))
@@ -58,6 +64,16 @@ class TrueWalk:
         object.__setattr__(self, "time_s", check_finite(self.time_s, "true times", count))
         object.__setattr__(self, "heading_rad", check_finite(self.heading_rad, "headings", count))
         object.__setattr__(self, "start_m", check_finite(self.start_m, "true start", (2,)))
+        if self.facing_rad is not None:
+            facing = check_finite(self.facing_rad, "true facing", count)
+            object.__setattr__(self, "facing_rad", facing)
+        if self.level and len(self.level) != count[0]:
+            raise InputError("true levels", expected=str(count[0]), got=str(len(self.level)))
+
+    @property
+    def walked_m(self) -> FloatArray:
+        """Distance walked (T,) at the end of each step."""
+        return np.cumsum(np.linalg.norm(self.moves_m, axis=1))
 
     @property
     def moves_m(self) -> FloatArray:

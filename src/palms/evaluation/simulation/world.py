@@ -15,7 +15,7 @@ from palms.evaluation.simulation.settings import WorldNoise
 from palms.floorplan import FloorPlan, SegmentClass
 from palms.geometry import FloatArray, as_readonly, check_segments, directions, lengths
 
-__all__ = ["World", "inside_of", "make_world"]
+__all__ = ["World", "faces_of", "inside_of", "make_world", "solid_walls"]
 
 _SAME_LINE_M, _SAME_LINE_RAD = 0.03, 0.01  # ours: pieces of one wall line
 _CLOSING_M = 0.08  # ours: closes the joints that shifted walls leave, at most 10 cm wide
@@ -96,8 +96,8 @@ def make_world(plan: FloorPlan, noise: WorldNoise, rng: np.random.Generator) -> 
     kept = ~_missing(plan, segments, noise.missing_walls, rng)
     kinds = np.where(kept, plan.classes, SegmentClass.OPENING)
     walls = kinds == SegmentClass.WALL
-    solid = _solid(segments, walls, plan.classes != SegmentClass.WALL, thickness[line])
-    faces = _faces(segments[walls], solid)
+    solid = solid_walls(segments, walls, plan.classes != SegmentClass.WALL, thickness[line])
+    faces = faces_of(segments[walls], solid)
     doors = _shut_doors(segments[kinds == SegmentClass.DOOR], noise, rng)
     panes = segments[kinds == SegmentClass.GLASS]
     passages = segments[(kinds == SegmentClass.DOOR) | (kinds == SegmentClass.OPENING)]
@@ -163,7 +163,7 @@ def _missing(
     return gone
 
 
-def _solid(
+def solid_walls(
     segments: FloatArray,
     is_wall: npt.NDArray[np.bool_],
     is_gap: npt.NDArray[np.bool_],
@@ -188,7 +188,7 @@ def _solid(
     return area.difference(shapely.union_all(gaps)).simplify(0.005)
 
 
-def _faces(walls: FloatArray, solid: Any) -> FloatArray:  # noqa: ANN401
+def faces_of(walls: FloatArray, solid: Any) -> FloatArray:  # noqa: ANN401
     """Sides of the solid; the walls themselves when they have no thickness."""
     import shapely
 
