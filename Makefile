@@ -44,7 +44,7 @@ $(VENV)/docs-ready: $(READY)
 	@touch $@
 
 docs: $(VENV)/docs-ready
-	@$(BIN)/mkdocs build --strict --quiet
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 	@echo "site/index.html"
 
 figures: $(READY)

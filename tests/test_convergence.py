@@ -10,13 +10,14 @@ def test_the_dominant_cluster_is_the_one_with_most_points():
     cluster = dominant_cluster(points, 1.0)
     assert cluster.share == pytest.approx(0.6)
     assert cluster.mode_m == pytest.approx([0, 0], abs=0.1)
-    assert cluster.member[:300].all() and not cluster.member[300:].any()
+    assert cluster.member[:300].all()
+    assert not cluster.member[300:].any()
 
 
 def test_modes_move_with_the_points():
     rng = np.random.default_rng(1)
     points = rng.normal(0, 3, (400, 2))
-    a, b = mean_shift(points, 1.0)[0], mean_shift(points + [100, -50], 1.0)[0]
+    a, b = mean_shift(points, 1.0)[0], mean_shift([*points, 100, -50], 1.0)[0]
     assert b - [100, -50] == pytest.approx(a, abs=1e-6)
 
 

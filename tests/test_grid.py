@@ -33,9 +33,12 @@ def test_rows_grow_with_y_and_columns_with_x():
 def test_a_covering_grid_covers_its_box_with_no_row_too_many(x, y, width, height, cell):
     grid = Grid.covering((x, y), (x + width, y + height), cell)
     left, right, bottom, top = grid.extent_m()
-    assert left <= x + 1e-6 and bottom <= y + 1e-6
-    assert right >= x + width - 1e-6 and top >= y + height - 1e-6
-    assert grid.shape[1] <= width / cell + 2 and grid.shape[0] <= height / cell + 2
+    assert left <= x + 1e-6
+    assert bottom <= y + 1e-6
+    assert right >= x + width - 1e-6
+    assert top >= y + height - 1e-6
+    assert grid.shape[1] <= width / cell + 2
+    assert grid.shape[0] <= height / cell + 2
 
 
 @pytest.mark.parametrize(("cell", "shape"), [(0.0, (1, 1)), (np.nan, (1, 1)), (1.0, (0, 3))])

@@ -115,7 +115,8 @@ def test_watchers_see_every_step():
     track(PLAN, scan(), odometry, Settings.paper(), watch=lambda *args: seen.append(args))
     assert len(seen) == len(odometry)
     estimate, belief, info = seen[-1]
-    assert estimate.is_localized and len(belief.particles) == 2000
+    assert estimate.is_localized
+    assert len(belief.particles) == 2000
     assert info.n_hit + info.n_survived == 2000
 
 

@@ -105,7 +105,12 @@ def test_coverage_may_be_unknown_but_not_negative():
         ([1.0, 2.0, 3.0], [[0, 0], [1, 1]], "3 positions"),
         ([1.0, 0.5], [[0, 0], [1, 1]], r"times that increase, got 0\.5 s at sample 1, after 1 s"),
         ([-1.0, 0.5], [[0, 0], [1, 1]], "times that increase"),
-        ([1.0, 2.0], [[0, 0], [9000, 1]], "metres and seconds"),
+        ([1.0, 2.0], [[0, 0], [900, 1]], "metres and seconds, got 900 m/s"),
+        (
+            [1, 2, 3, 4],
+            [[0, 0], [1, 0], [2, 0], [9000, 0]],
+            "at most 1000 m, got 8998 m at sample 3",
+        ),
         ([1.0, np.nan], [[0, 0], [1, 1]], "finite"),
     ],
 )

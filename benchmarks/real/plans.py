@@ -16,16 +16,16 @@ from palms import FloorPlan, SegmentClass
 from palms.evaluation.simulation.walker import TrueWalk
 from palms.geometry import FloatArray, lengths
 
-LEFT_OUT_M = 12.0  # METHOD 7: scans within this much path of the start
+LEFT_OUT_M = 12.0  # scans within this much path of the start
 SPACING_M = 0.25  # ours: path between scans that are used; one log stands still a lot
 RANGE_M = 12.0  # ours: farther returns smear, the poses' angles are not that good
-DOOR_M = 1.0  # METHOD 7: walls that the reference crosses become doors this wide
+DOOR_M = 1.0  # walls that the reference crosses become doors this wide
 STUB_M = 0.1  # ours: shorter remains of a cut wall go with the door
 
 
 @dataclass(frozen=True)
 class Grade:
-    """How far a plan is from the walls (METHOD 7)."""
+    """How far a plan is from the walls."""
 
     offset_m: float
     missing: float

@@ -18,10 +18,10 @@ from palms.geometry import FloatArray
 BUILDINGS = ("csail", "freiburg-079", "intel", "seattle")
 STARTS_FILE = Path(__file__).with_name("starts.json")
 
-NO_RETURN_M = 50.0  # SOURCES: ranges from here on mean no return
-APART_M = 10.0  # METHOD 7: starts at least so far apart
-WALK_M, SHORTEST_WALK_M = 100.0, 60.0  # METHOD 7
-STEP_M, SPEED_M_S = 0.65, 1.2  # METHOD 7
+NO_RETURN_M = 50.0  # ranges from here on mean no return
+APART_M = 10.0  # starts at least so far apart
+WALK_M, SHORTEST_WALK_M = 100.0, 60.0  # of each walk
+STEP_M, SPEED_M_S = 0.65, 1.2  # of a person
 JUMP_M = 3.0  # ours: a gap between poses beyond this is a jump of the log; walks end there
 
 
@@ -104,7 +104,7 @@ def scan_of(observation: Observation) -> Scan:
 
 
 def odometry_of(walk: TrueWalk, drift_rad: float, seed: int) -> Odometry:
-    """Return the walk with a VIO's drift added; each seed has its own (METHOD 5)."""
+    """Return the walk with a VIO's drift added; each seed has its own."""
     return vio_odometry(walk, drift_rad, VioNoise(), np.random.default_rng([seed, 7]))
 
 

@@ -13,10 +13,9 @@ import numpy.typing as npt
 from palms.errors import InputError
 from palms.geometry import FloatArray, as_readonly, bounds, check_points, check_segments, lengths
 
-__all__ = ["FloorPlan", "Room", "SegmentClass"]
+from palms.settings import LIMITS
 
-MIN_SIZE_M = 1.0  # ours: a plan narrower than this was drawn in kilometres
-MAX_SIZE_M = 5000.0  # ours: the largest buildings are about 2 km long
+__all__ = ["FloorPlan", "Room", "SegmentClass"]
 
 
 class SegmentClass(IntEnum):
@@ -126,18 +125,22 @@ class FloorPlan:
             )
         width, height = (float(v) for v in self.size_m)
         largest = max(width, height)
-        if largest > MAX_SIZE_M:
-            factor = "0.001 (millimetres?)" if largest < MAX_SIZE_M * 1000 else "its unit's length"
+        if largest > LIMITS.max_plan_m:
+            factor = (
+                "0.001 (millimetres?)"
+                if largest < LIMITS.max_plan_m * 1000
+                else "its unit's length"
+            )
             raise InputError(
                 what,
-                expected=f"metres, at most {MAX_SIZE_M:g} m wide",
+                expected=f"metres, at most {LIMITS.max_plan_m:g} m wide",
                 got=f"{width:.6g} x {height:.6g}",
                 fix=f"convert it to metres: multiply by {factor}, and remove stray points",
             )
-        if largest < MIN_SIZE_M:
+        if largest < LIMITS.min_plan_m:
             raise InputError(
                 what,
-                expected=f"metres, at least {MIN_SIZE_M:g} m wide",
+                expected=f"metres, at least {LIMITS.min_plan_m:g} m wide",
                 got=f"{width:.4g} x {height:.4g}",
                 fix="convert it to metres",
             )

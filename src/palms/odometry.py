@@ -10,10 +10,9 @@ import numpy as np
 
 from palms.errors import InputError
 from palms.geometry import FloatArray, check_finite, check_points
+from palms.settings import LIMITS
 
-__all__ = ["MAX_SPEED_M_S", "Move", "Odometry"]
-
-MAX_SPEED_M_S = 1000.0  # ours: beyond it the unit is not the metre or not the second
+__all__ = ["Move", "Odometry"]
 
 
 class Move(NamedTuple):
@@ -71,7 +70,7 @@ class Odometry:
     ------
     InputError
         When there are fewer than two samples, lengths differ, times do not increase, a
-        number is not finite, or a move is faster than anything indoors.
+        number is not finite, or most moves are faster than anything indoors.
 
     Examples
     --------
@@ -124,14 +123,22 @@ class Odometry:
                 f"{self.time_s[at - 1] if at else 0:.6g} s",
                 fix="sort the samples and drop repeated ones",
             )
-        speed = np.linalg.norm(self.displacements_m[1:], axis=1) / step
-        if speed.max() > MAX_SPEED_M_S:
-            at = int(speed.argmax()) + 1
+        length = np.linalg.norm(self.displacements_m, axis=1)
+        speed = float(np.median(length[1:] / step))
+        if speed > LIMITS.max_speed_m_s:
             raise InputError(
                 "walk",
                 expected="metres and seconds",
-                got=f"{speed[at - 1]:.4g} m/s at sample {at}",
+                got=f"{speed:.4g} m/s at most samples",
                 fix="convert its units",
+            )
+        if length.max() > LIMITS.max_jump_m:
+            at = int(length.argmax())
+            raise InputError(
+                "walk",
+                expected=f"moves of at most {LIMITS.max_jump_m:g} m",
+                got=f"{length[at]:.4g} m at sample {at}",
+                fix="remove that sample",
             )
 
     @property

@@ -12,7 +12,7 @@ from palms.heatmap import Candidates
 
 __all__ = ["Place", "find_places"]
 
-SEPARATION_M = 1.0  # ours: what INTERFACE's p_within_1m counts as one place
+SEPARATION_M = 1.0  # ours: as p_within_1m, one place
 
 
 class Place(NamedTuple):

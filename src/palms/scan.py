@@ -16,7 +16,7 @@ from palms.geometry import (
     distance_to_segments,
     lengths,
 )
-from palms.settings import ScanSettings
+from palms.settings import LIMITS
 
 __all__ = ["Scan"]
 
@@ -62,7 +62,7 @@ class Scan:
         walls = check_segments(self.walls_m, "scan")
         position = check_finite(self.position_m, "the scan's position", (2,))
         object.__setattr__(self, "position_m", position)
-        object.__setattr__(self, "walls_m", _within_range(walls, position, ScanSettings()))
+        object.__setattr__(self, "walls_m", _within_range(walls, position))
         if self.coverage_m is not None:
             coverage = as_readonly(self.coverage_m)
             if coverage.ndim != 1 or np.isinf(coverage).any() or (coverage < 0).any():
@@ -81,8 +81,8 @@ class Scan:
         return self.walls_m - self.position_m
 
 
-def _within_range(walls: FloatArray, position: FloatArray, settings: ScanSettings) -> FloatArray:
-    long_enough = lengths(walls) >= settings.min_length_m
+def _within_range(walls: FloatArray, position: FloatArray) -> FloatArray:
+    long_enough = lengths(walls) >= LIMITS.min_wall_m
     if not long_enough.any():
         raise InputError(
             "scan",
@@ -92,18 +92,18 @@ def _within_range(walls: FloatArray, position: FloatArray, settings: ScanSetting
         )
     walls = walls[long_enough]
     distance = distance_to_segments(position, walls)
-    near = distance <= settings.max_range_m
+    near = distance <= LIMITS.max_scan_range_m
     if not near.any():
         raise InputError(
             "scan",
-            expected=f"walls within {settings.max_range_m:g} m of the observation point",
+            expected=f"walls within {LIMITS.max_scan_range_m:g} m of the observation point",
             got=f"the nearest at {distance.min():.4g} m",
             fix="check that its unit is the metre and its position is right",
         )
     if not near.all():
         warnings.warn(
             f"scan: {np.sum(~near)} of {len(walls)} walls lie beyond "
-            f"{settings.max_range_m:g} m and are left out",
+            f"{LIMITS.max_scan_range_m:g} m and are left out",
             PalmsWarning,
             stacklevel=4,
         )

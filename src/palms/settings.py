@@ -14,13 +14,14 @@ from typing import Any, Literal
 from palms.errors import SettingsError
 
 __all__ = [
+    "LIMITS",
     "METHODS",
     "AnswerSettings",
     "CandidateSettings",
     "ConvergenceSettings",
+    "Limits",
     "MotionSettings",
     "RasterSettings",
-    "ScanSettings",
     "Settings",
     "StartSettings",
     "TemplateSettings",
@@ -44,7 +45,8 @@ class RasterSettings:
     cell_size_m : float
         Side of a cell (paper silent, ours; the authors' code has the same).
     margin_m : float
-        Free border around the walls (ours).
+        Border around the walls, and how far outside of the building a phone may be
+        (ours).
     wall_weight, door_weight, opening_weight, glass_weight : float
         What a metre of each class counts in matching (ours; a plan without classes is
         all wall, which is the paper).
@@ -78,20 +80,34 @@ class RasterSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class ScanSettings:
-    """What a scan may look like.
+class Limits:
+    """What plans, scans and walks are checked against at the door; not for tuning.
 
     Parameters
     ----------
-    max_range_m : float
+    min_plan_m, max_plan_m : float
+        A plan narrower or wider is not in metres (ours; the largest buildings are about
+        2 km long).
+    max_scan_range_m : float
         Walls that lie wholly beyond this are not the scanner's; its range is 5 m
         (paper V), doubled because planes grow while the user turns (ours).
-    min_length_m : float
-        Shorter walls are dropped (ours).
+    min_wall_m : float
+        Shorter walls of a scan are dropped (ours).
+    max_speed_m_s : float
+        A walk whose median speed is higher is not in metres and seconds (ours).
+    max_jump_m : float
+        No single move is longer (ours).
     """
 
-    max_range_m: float = 10.0
-    min_length_m: float = 0.1
+    min_plan_m: float = 1.0
+    max_plan_m: float = 5000.0
+    max_scan_range_m: float = 10.0
+    min_wall_m: float = 0.1
+    max_speed_m_s: float = 50.0
+    max_jump_m: float = 1000.0
+
+
+LIMITS = Limits()
 
 
 @dataclass(frozen=True, slots=True)
@@ -332,7 +348,7 @@ class Settings:
     ----------
     method : str
         Name of the method, one of `METHODS`.
-    raster, scan, template, candidates, start, motion, convergence, answer
+    raster, template, candidates, start, motion, convergence, answer
         The groups.
 
     Examples
@@ -345,7 +361,6 @@ class Settings:
 
     method: str = "palms"
     raster: RasterSettings = field(default_factory=RasterSettings)
-    scan: ScanSettings = field(default_factory=ScanSettings)
     template: TemplateSettings = field(default_factory=TemplateSettings)
     candidates: CandidateSettings = field(default_factory=CandidateSettings)
     start: StartSettings = field(default_factory=StartSettings)

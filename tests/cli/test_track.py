@@ -30,7 +30,7 @@ def is_angle(value):
 
 
 def check_steps(steps, intervals):
-    """The lists of a trial, as INTERFACE.md has them."""
+    """The lists of a trial, as docs/reference/files.md has them."""
     assert steps.keys() == LISTS
     assert {len(values) for values in steps.values()} == {len(intervals)}
     assert steps["t_s"] == pytest.approx(np.cumsum(intervals))

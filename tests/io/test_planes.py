@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -242,7 +243,8 @@ def test_round_trip(tmp_path_factory, scan, name):
     folder = tmp_path_factory.mktemp("scan")
     (folder / "Session_7").mkdir()
     write_scan_json(scan, folder / name)
-    same(read_scan_json(folder / name), scan)
+    named = replace(scan, session="7") if scan.session is None and "7" in name else scan
+    same(read_scan_json(folder / name), named)  # a scan that names none goes by its folder
 
 
 def test_stale_scan_json_is_removed(tmp_path):

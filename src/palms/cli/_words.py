@@ -26,7 +26,7 @@ _HEDGES: dict[str, str] = {
     "oriented": ", oriented but not localized, so this is a guess",
     "lost": ", lost, so this is a guess",
 }
-SAME_PLACE_M = 2.0  # INTERFACE: an answer farther off is wrong
+SAME_PLACE_M = 2.0  # ours: an answer farther off is wrong
 
 
 def where(plan: FloorPlan, position_m: FloatArray) -> str:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from palms.cli import bench, demo, formats, locate, plan, scan, track, walk
+from palms.cli import bench, demo, formats, locate, plan, scan, simulate, track, walk
 from palms.cli._errors import CheckedGroup
 
 __all__ = ["app"]
@@ -50,6 +50,7 @@ for command, name, epilog in (
     (demo.demo, "demo", demo.EXAMPLE),
     (locate.locate, "locate", locate.EXAMPLE),
     (track.track, "track", track.EXAMPLE),
+    (simulate.simulate, "simulate", simulate.EXAMPLE),
     (bench.bench, "bench", bench.EXAMPLE),
 ):
     app.command(name, epilog=epilog)(command)

@@ -23,7 +23,7 @@ __all__ = ["Interval", "Reliability", "aggregate", "bootstrap_interval", "reliab
 Statistic = Literal["mean", "median"]
 
 DRAWS = 2000  # ours: moves the ends of an interval by about a hundredth of its width
-LEVEL = 0.95  # INTERFACE: 95 % intervals
+LEVEL = 0.95  # of every interval that is reported
 BINS = 10  # ours: reliability diagrams by tenths
 LOG_FLOOR = 1e-3  # ours: a filter of 2,000 particles cannot state less; keeps log scores finite
 

@@ -24,8 +24,8 @@ from palms.raster import PlanRaster
 
 __all__ = ["Answers", "TrialMetrics", "sample_step", "trial_metrics"]
 
-WRONG_M = 2.0  # INTERFACE: off by more than this is wrong
-NEAR_M = 1.0  # INTERFACE and paper IV-C: within this is useful
+WRONG_M = 2.0  # ours: off by more than this is wrong
+NEAR_M = 1.0  # paper IV-C: within this is useful
 
 
 @dataclass(frozen=True, slots=True)

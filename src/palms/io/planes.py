@@ -202,9 +202,8 @@ def _read_sidecar(path: Path) -> dict[str, Any]:
         found["position_m"] = check_array(content["position_m"], f"{path}: position_m", (2,))
     if content.get("coverage_m") is not None:
         found["coverage_m"] = _coverage(content["coverage_m"], f"{path}: coverage_m")
-    if "session" in content:
-        session = content["session"]
-        found["session"] = None if session is None else str(session).removeprefix("Session_")
+    if content.get("session") is not None:
+        found["session"] = str(content["session"]).removeprefix("Session_")
     return found
 
 
@@ -240,7 +239,7 @@ def write_scan_json(scan: Scan, path: StrPath) -> None:
     ...     write_scan_json(Scan([[[2, -2], [2, 2]]], time_s=3.5), f"{folder}/Session_7")
     ...     again = read_scan_json(f"{folder}/Session_7")
     >>> again.walls_m.tolist(), again.time_s, again.session
-    ([[[2.0, -2.0], [2.0, 2.0]]], 3.5, None)
+    ([[[2.0, -2.0], [2.0, 2.0]]], 3.5, '7')
     """
     place = Path(path)
     if place.is_dir() or place.suffix.lower() != ".json":
@@ -259,7 +258,7 @@ def _extras(scan: Scan, folder_session: str | None) -> dict[str, Any]:
         extras |= {"t_s": float(scan.time_s), "position_m": scan.position_m.tolist()}
     if scan.coverage_m is not None:
         extras["coverage_m"] = null_for_nan(scan.coverage_m)
-    if scan.session != folder_session:
+    if scan.session is not None and scan.session != folder_session:
         extras["session"] = scan.session
     return extras
 

@@ -39,9 +39,10 @@ from palms.scan import Scan
 
 __all__ = ["draw_scan", "pipeline_figure"]
 
-_RINGS_M = (1.0, 3.0, 5.0)  # METHOD section 5: the scanner's range is 5 m
+_RINGS_M = (1.0, 3.0, 5.0)  # paper V: the scanner's range is 5 m
 _PIXELS = 420  # of the longer side of a heatmap; more than its panel shows
 _PARTICLES = 2000
+_HATCHED = 0.25  # of the template's bound: emptier cells are hatched, to be told in grey
 
 
 @styled
@@ -84,9 +85,9 @@ def pipeline_figure(
     truth = None if truth_m is None else np.asarray(truth_m, dtype=np.float64)
     low, high = heatmaps.raster.plan.bounds_m
     aspect = float(np.clip((high[0] - low[0]) / max(high[1] - low[1], 1e-6), 0.6, 2.0))
-    figure = new_figure(14.0, 3.4 + 3.6 / aspect)
-    left, right = figure.add_gridspec(1, 2, width_ratios=(1.8, 1.0))
-    rows = GridSpecFromSubplotSpec(2, 12, subplot_spec=left)
+    figure = new_figure(14.0, 3.3 + 2.9 / aspect)
+    halves = figure.add_gridspec(1, 2, width_ratios=(1.8, 1.0))
+    rows = GridSpecFromSubplotSpec(2, 12, subplot_spec=halves[0])
     shown, scores = _four_maps(heatmaps)
     best = max(range(len(shown)), key=lambda i: float(scores[i].max()))
     _scan_panel(figure.add_subplot(rows[0, :4]), heatmaps.scan)
@@ -94,9 +95,9 @@ def pipeline_figure(
     _template_panel(figure, figure.add_subplot(rows[0, 8:]), heatmaps, shown[best])
     panels = [figure.add_subplot(rows[1, 3 * i : 3 * i + 3]) for i in range(len(shown))]
     _heatmap_panels(figure, panels, heatmaps, (shown, scores))
-    _particles_panel(figure.add_subplot(right), candidates, (particles, truth, heatmaps))
+    _particles_panel(figure.add_subplot(halves[1]), candidates, (particles, truth, heatmaps))
     for axes in figure.axes:
-        axes.set_anchor("N")
+        axes.set_anchor("S" if axes in panels else "N")
     return figure
 
 
@@ -111,7 +112,7 @@ def draw_scan(axes: Axes, walls_m: FloatArray, colour: str = SCAN, width: float 
 
 
 def _scan_panel(axes: Axes, scan: Scan) -> None:
-    """What the scanner saw around the observation point, with circles of range."""
+    """Draw what the scanner saw around the observation point, with circles of range."""
     walls = scan.relative_m
     reach = _reach_m(scan)
     frame_map(axes, (-reach, -reach), (reach, reach))
@@ -121,6 +122,8 @@ def _scan_panel(axes: Axes, scan: Scan) -> None:
                 (0, 0), radius, fill=False, edgecolor=MUTED, linewidth=0.6, linestyle=(0, (2, 3))
             )
         )
+        if radius == min(_RINGS_M):
+            continue  # no room for words
         at = radius * np.sqrt(0.5)
         axes.text(at, -at, f"{radius:g} m", fontsize=7, color=MUTED, ha="center", va="center",
                   bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6})  # fmt: skip
@@ -156,18 +159,22 @@ def _template_panel(figure: Figure, axes: Axes, heatmaps: Heatmaps, k: int) -> N
         extent=(left, left + columns * cell, bottom, bottom + rows * cell),
         interpolation="nearest",
     )  # fmt: skip
+    axes.contourf(
+        (np.arange(columns) + 0.5) * cell + left, (np.arange(rows) + 0.5) * cell + bottom,
+        template.values, levels=[-2 * bound, -_HATCHED * bound], colors="none", hatches=["//////"],
+    )  # fmt: skip
     axes.set(xlim=limits[0], ylim=limits[1])
     axes.plot([0], [0], marker="o", markersize=5, color=INK)
     bar = figure.colorbar(image, ax=axes, shrink=0.7, aspect=14, pad=0.01, anchor=(0.0, 0.75))
     bar.set_ticks([-bound, 0.0, bound])
     bar.set_ticklabels([f"{-bound:.2g} empty".replace("-", "−"), "0", f"{bound:.2g} wall"])
     bar.ax.tick_params(labelsize=7.5, length=2)
-    bar.outline.set_visible(False)  # type: ignore[operator]
+    bar.outline.set_visible(False)
     axes.set_title(f"3  Template, drift {degrees(template.drift_rad)}")
 
 
 def _four_maps(heatmaps: Heatmaps) -> tuple[list[int], list[npt.NDArray[np.float32]]]:
-    """Indices and scores of up to four drifts, the best of each quarter, in style's order."""
+    """Return index and scores of the best drift of each style, in the order of the styles."""
     index = np.arange(len(heatmaps))
     style = groups_of(index, heatmaps.drifts_rad, by_label=len(heatmaps) <= len(GROUPS))
     best: dict[int, tuple[int, npt.NDArray[np.float32]]] = {}
@@ -200,7 +207,7 @@ def _heatmap_panels(
     )
     bar.set_label("score", fontsize=8)
     bar.ax.tick_params(labelsize=7.5, length=2)
-    bar.outline.set_visible(False)  # type: ignore[operator]
+    bar.outline.set_visible(False)
 
 
 def _heatmap_panel(
@@ -210,8 +217,7 @@ def _heatmap_panel(
     low, high = heatmaps.raster.plan.bounds_m
     frame_map(axes, low, high)
     for scale_bar in [*axes.lines, *axes.texts]:
-        scale_bar.set_color("white")
-        scale_bar.set_path_effects([])
+        scale_bar.set(color="white", path_effects=[])
     left, right, bottom, top = heatmaps.grid.extent_m()
     image = axes.imshow(
         _shrunk(scores), origin="lower", extent=(left, right, bottom, top), cmap="inferno",

@@ -15,19 +15,18 @@ from matplotlib.patheffects import Normal, Stroke
 
 from palms.floorplan import FloorPlan, Room, SegmentClass
 from palms.geometry import FloatArray, rotate
-from palms.plot.style import INK, MUTED, SCAN, WALL, frame_map, new_figure, styled
+from palms.plot.style import INK, MUTED, SCAN, WALL, Dashes, frame_map, new_figure, styled
 
 __all__ = ["draw_plan", "figure_size", "plan_figure", "plan_legend"]
 
 _NAME_PT: Final = (7.5, 6.5, 5.5, 4.5)  # sizes of a room's name, to be tried in this order
 _CHARACTER: Final = 0.62  # width of a character over its size
-_Dashes = str | tuple[float, tuple[float, ...]]
 
 
 class _Stroke(NamedTuple):
     colour: str
     width_pt: float
-    dashes: _Dashes
+    dashes: Dashes
     word: str
 
 
@@ -59,8 +58,8 @@ def draw_plan(axes: Axes, plan: FloorPlan, width: float = 1.0, colour: str | Non
         axes.add_collection(
             LineCollection(
                 list(segments), colors=colour or stroke.colour, linestyles=[stroke.dashes],
-                linewidths=width * stroke.width_pt, capstyle="butt" if kind == SegmentClass.DOOR else "round",
-                zorder=2, gid=gid,
+                linewidths=width * stroke.width_pt, zorder=2, gid=gid,
+                capstyle="butt" if kind == SegmentClass.DOOR else "round",
             ),
             autolim=False,
         )  # fmt: skip
@@ -156,7 +155,7 @@ def _title(plan: FloorPlan) -> str:
 def _points_per_metre(figure: Figure, plan: FloorPlan) -> float:
     """Scale of a map that fills its figure, a little on the safe side."""
     (width_in, height_in), (width, height) = figure.get_size_inches(), plan.size_m
-    return 72 * min(0.92 * width_in / max(width, 1.0), 0.86 * height_in / max(height, 1.0))
+    return float(72 * min(0.92 * width_in / max(width, 1), 0.86 * height_in / max(height, 1)))
 
 
 def _name_room(axes: Axes, room: Room, points_per_m: float) -> None:
@@ -171,7 +170,7 @@ def _name_room(axes: Axes, room: Room, points_per_m: float) -> None:
         box = _box(middle, (_CHARACTER * len(text) + 0.5, 1.25), size / points_per_m, angle)
         if shape.contains(shapely.Polygon(box)):
             axes.text(
-                *middle, text, fontsize=size, rotation=angle, rotation_mode="anchor",
+                middle[0], middle[1], text, fontsize=size, rotation=angle, rotation_mode="anchor",
                 ha="center", va="center", color=INK, zorder=4, gid="room-name",
             )  # fmt: skip
             return

@@ -88,7 +88,9 @@ class Recorder:
         particles = belief.particles
         if self._step == 0:
             self._by_label = int(particles.label.max()) < len(GROUPS)
-            self._any_drift = not particles.label.any() and np.ptp(particles.drift_rad) > np.pi
+            self._any_drift = (
+                not particles.label.any() and float(np.ptp(particles.drift_rad)) > np.pi
+            )
         begins = [name for name in MOMENTS[:3] if self._begins(name, estimate.stage)]
         is_frame = self._step % self.every == 0
         if begins or is_frame:
@@ -144,4 +146,4 @@ def by_weight(weight: npt.NDArray[np.float64], n: int) -> npt.NDArray[np.int64]:
     n = min(n, len(weight))
     total = np.cumsum(weight)
     at = (np.arange(n) + 0.5) / n * total[-1]
-    return np.minimum(np.searchsorted(total, at), len(weight) - 1)
+    return np.asarray(np.minimum(np.searchsorted(total, at), len(weight) - 1))

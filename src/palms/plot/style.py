@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable, Iterable, Sequence
-from typing import Final, NamedTuple, ParamSpec, TypeVar
+from typing import Any, Final, Literal, NamedTuple, ParamSpec, TypeVar
 
 import matplotlib as mpl
 import numpy as np
@@ -37,13 +37,14 @@ __all__ = [
     "WALL",
     "GroupStyle",
     "add_scale_bar",
-    "answer_mark",
     "answer_entry",
+    "answer_mark",
     "degrees",
     "draw_particles",
     "frame_map",
-    "groups_of",
     "group_entries",
+    "groups_of",
+    "legend_line",
     "lightness",
     "new_figure",
     "styled",
@@ -51,6 +52,7 @@ __all__ = [
     "truth_mark",
 ]
 
+Dashes = Literal["solid"] | tuple[float, tuple[float, ...]]
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -90,14 +92,14 @@ GROUPS: Final = (
 
 ANY_DRIFT: Final = GroupStyle("#6b6b6b", "o", "any drift")  # style 4, of those without labels
 
-STAGE_LINES: Final = {
+STAGE_LINES: Final[dict[Stage, Dashes]] = {
     Stage.SEARCHING: (0, (1, 1.6)),
     Stage.ORIENTED: (0, (4, 1.6)),
     Stage.LOCALIZED: "solid",
     Stage.LOST: (0, (5, 1.5, 1, 1.5)),
 }
 
-_RC: Final = {
+_RC: Final[dict[Any, Any]] = {
     "font.family": "DejaVu Sans",
     "font.size": 9.0,
     "axes.titlesize": 10.0,
@@ -119,6 +121,7 @@ _RC: Final = {
     "figure.facecolor": "white",
     "axes.facecolor": "white",
     "savefig.facecolor": "white",
+    "hatch.linewidth": 0.5,
     "svg.hashsalt": "palms",
     "path.simplify": True,
 }
@@ -285,6 +288,11 @@ def group_entries(groups: Iterable[int]) -> list[Line2D]:
         )
         for style in styles
     ]  # fmt: skip
+
+
+def legend_line(colour: str, width_pt: float, label: str, dashes: Dashes = "solid") -> Line2D:
+    """Return a legend entry that is a line."""
+    return Line2D([], [], color=colour, linewidth=width_pt, linestyle=dashes, label=label)
 
 
 _HALO_WIDE = (patheffects.withStroke(linewidth=4.6, foreground="white"),)

@@ -220,7 +220,7 @@ def simulate_walk(
     >>> site = make_site(generate_levels("office", 7, 1), seed=7)
     >>> start = simulate_start(site, 0, [], CaseSettings())
     >>> case = simulate_walk(site, start, 0, CaseSettings(length_m=40.0))
-    >>> case.name, round(case.recorded.arkit.walked_m[-1], -1)
+    >>> case.name, round(float(case.recorded.arkit.walked_m[-1]), -1)
     ('start-1-walk-1', 40.0)
     """
     key = (site.seed, start.index, index)

@@ -111,16 +111,16 @@ class Block:
     def outline_m(self) -> FloatArray:
         """Corners (4, 2) where the block lies."""
         w, d = self.width_m, self.depth_m
-        return self.pose.apply([[0, 0], [w, 0], [w, d], [0, d]])
+        return self.pose.apply([[0.0, 0.0], [w, 0.0], [w, d], [0.0, d]])
 
     def wall_m(self, side: Side, wall: Span) -> FloatArray:
         """Return the right and left end (2, 2) of a stretch of a side, as seen looking outwards."""
         low, high = wall
-        ends = {
+        ends: list[list[float]] = {
             "east": [[self.width_m, low], [self.width_m, high]],
             "north": [[high, self.depth_m], [low, self.depth_m]],
-            "west": [[0, high], [0, low]],
-            "south": [[low, 0], [high, 0]],
+            "west": [[0.0, high], [0.0, low]],
+            "south": [[low, 0.0], [high, 0.0]],
         }[side]
         return self.pose.apply(ends)
 
@@ -251,13 +251,14 @@ def _crosses(style: BuildingStyle, width: float, rng: np.random.Generator) -> tu
 
 
 def _with_dead_ends(block: Block, style: BuildingStyle, rng: np.random.Generator) -> Block:
-    found = []
-    for side, row in (("south", block.corridors[0].low), ("north", 1.0)):
+    found: list[tuple[Side, Span]] = []
+    rows: tuple[tuple[Side, float], ...] = (("south", block.corridors[0].low), ("north", 1.0))
+    for side, row in rows:
         if row > 0 and block.width_m > 20.0 and chance(rng, style.dead_end_share):
             wide = round(uniform(rng, style.stub_m), 2)
             low = round(uniform(rng, (_CLEAR_M + 1.0, block.width_m - _CLEAR_M - 1.0 - wide)), 2)
             span = Span(low, round(low + wide, 2))
-            if all(_apart(span, other) for other in block.cuts(side)):  # type: ignore[arg-type]
+            if all(_apart(span, other) for other in block.cuts(side)):
                 found.append((side, span))
     return replace(block, dead_ends=tuple(found))
 

@@ -1,0 +1,224 @@
+"""``palms simulate``: scans and walks in simulated worlds."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from palms.cli._options import Json
+from palms.cli._outputs import check_file, check_folder, is_stdout, progress, speaker, write_result
+
+if TYPE_CHECKING:
+    from palms.evaluation.simulation import CaseSettings, SimulatedCase, Site
+
+__all__ = ["EXAMPLE", "simulate"]
+
+EXAMPLE = "Example: palms simulate --building office --seed 7 --out simulated"
+SCHEMA = "palms-simulate/1"
+
+
+class Recorded(StrEnum):
+    """Which odometry is recorded."""
+
+    BOTH = "both"
+    VIO = "vio"
+    INERTIAL = "inertial"
+
+
+class Hint(StrEnum):
+    """What somebody says on the way."""
+
+    ROOM = "room"
+    PLACE = "place"
+
+
+def simulate(
+    plan: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="[PLAN]", help="Floor plan to build a world from.", show_default=False
+        ),
+    ] = None,
+    *,
+    out: Annotated[
+        Path, typer.Option("--out", metavar="DATASET", help="New folder for the data set.")
+    ],
+    building: Annotated[
+        str | None,
+        typer.Option(
+            metavar="KIND", help="Draw buildings instead: office or campus.", show_default=False
+        ),
+    ] = None,
+    buildings: Annotated[
+        int, typer.Option(metavar="N", min=1, help="How many; their seeds are S, S + 1, ...")
+    ] = 1,
+    levels: Annotated[
+        int, typer.Option(metavar="N", min=1, max=20, help="Levels of each; walks go up them.")
+    ] = 1,
+    starts: Annotated[
+        int, typer.Option(metavar="N", min=1, help="Scans in all, spread over the buildings.")
+    ] = 7,
+    walks: Annotated[int, typer.Option(metavar="N", min=1, help="Walks from each start.")] = 2,
+    length: Annotated[float, typer.Option(metavar="METRES", help="Length of a walk.")] = 147.0,
+    seed: Annotated[
+        int, typer.Option(metavar="S", min=0, help="Seed of the (first) building.")
+    ] = 0,
+    odometry: Annotated[Recorded, typer.Option(help="What the phone records.")] = Recorded.BOTH,
+    rate: Annotated[
+        float | None,
+        typer.Option(
+            metavar="HZ", help="Samples a second; one for each step when left out.",
+            show_default=False,
+        ),
+    ] = None,
+    scan_turn: Annotated[
+        float, typer.Option(metavar="DEGREES", help="How far the user turns; 180 for half a scan.")
+    ] = 360.0,
+    second_scan: Annotated[
+        float | None,
+        typer.Option(metavar="METRES", help="Scan again after so many.", show_default=False),
+    ] = None,
+    jump: Annotated[
+        float | None,
+        typer.Option(
+            metavar="METRES", help="Let the odometry jump after so many.", show_default=False
+        ),
+    ] = None,
+    hint: Annotated[
+        Hint | None,
+        typer.Option(help="Let somebody name the room or the place.", show_default=False),
+    ] = None,
+    wrong_hint: Annotated[
+        bool, typer.Option("--wrong-hint", help="The hint is not true.")
+    ] = False,
+    stops: Annotated[
+        bool, typer.Option("--stops", help="Walkers stand still now and then.")
+    ] = False,
+    rooms: Annotated[bool, typer.Option("--rooms", help="Walkers go into rooms.")] = False,
+    double: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NUISANCE", help="Double one kind of noise, such as normal_sd_m.",
+            show_default=False,
+        ),
+    ] = None,
+    pictures: Annotated[
+        bool, typer.Option("--pictures/--no-pictures", help="Draw every case.")
+    ] = True,
+    json: Json = None,
+) -> None:  # fmt: skip
+    """Simulate scans and walks, in a plan's world or in buildings drawn from a seed.
+
+    What methods are given has gone stale: walls moved, doors undrawn, the scale off. The
+    noise of each case is drawn anew and kept in its nuisances.json.
+    """
+    from palms.evaluation.simulation import CaseSettings
+
+    _check_usage(plan, building, buildings, (starts, levels))
+    settings = CaseSettings(
+        length_m=length, rate_hz=rate, odometry=odometry.value,
+        scan_turn_rad=math.radians(scan_turn), second_scan_m=second_scan, jump_m=jump,
+        hint=None if hint is None else hint.value, hint_is_right=not wrong_hint,
+        stops=stops, rooms=rooms,
+    )  # fmt: skip
+    check_file(json)
+    _check_new(out)
+    say = speaker(json)
+    per_site = [starts // buildings + (k < starts % buildings) for k in range(buildings)]
+    sources = [(plan or building, seed + k, levels) for k in range(buildings)]
+    rows = []
+    with progress(starts * walks, "Simulating") as advance:
+        for (source, number, high), count in zip(sources, per_site, strict=True):
+            for site, case in _cases((source, number, high), (count, walks), settings, double):
+                rows.append(_written(out, site, case, pictures))
+                advance()
+    document = {
+        "schema": SCHEMA, "dataset": str(out), "seed": seed,
+        "building": building, "plan": None if plan is None else str(plan), "cases": rows,
+    }  # fmt: skip
+    write_result(document, json)
+    _tell(rows, out, say)
+    if json is not None and not is_stdout(json):
+        say(f"Result: {json}")
+
+
+def _check_usage(
+    plan: Path | None, building: str | None, buildings: int, numbers: tuple[int, int]
+) -> None:
+    """Refuse what makes no sense together."""
+    starts, levels = numbers
+    if (plan is None) == (building is None):
+        raise typer.BadParameter("give a PLAN or --building KIND, one of them")
+    if plan is not None and (buildings > 1 or levels > 1):
+        raise typer.BadParameter("--buildings and --levels go with --building")
+    if starts < buildings:
+        raise typer.BadParameter(f"--starts: {buildings} buildings want at least as many")
+
+
+def _check_new(out: Path) -> None:
+    from palms.errors import OutputError
+
+    check_folder(out)
+    if out.is_dir() and any(out.iterdir()):
+        raise OutputError(
+            str(out), expected="a new folder", got="one with files in it",
+            fix="remove it or choose another",
+        )  # fmt: skip
+
+
+def _cases(
+    source: tuple[Path | str | None, int, int],
+    count: tuple[int, int],
+    settings: CaseSettings,
+    double: str | None,
+) -> Iterator[tuple[Site, SimulatedCase]]:
+    """Build one building and yield its cases."""
+    from palms.evaluation.simulation import (
+        Building,
+        Count,
+        NuisanceRanges,
+        generate_levels,
+        make_site,
+        simulate_site,
+    )
+    from palms.io import read_floorplan
+
+    what, seed, levels = source
+    if isinstance(what, Path):
+        building = Building((read_floorplan(what),))
+    else:
+        building = generate_levels(str(what), seed, levels)
+    ranges = NuisanceRanges() if double is None else NuisanceRanges().double(double)
+    site = make_site(building, seed, ranges)
+    for case in simulate_site(site, Count(*count), settings, ranges):
+        yield site, case
+
+
+def _written(out: Path, site: Site, case: SimulatedCase, pictures: bool) -> dict[str, Any]:
+    """Write a case and return what there is to say of it."""
+    from palms.evaluation.simulation import write_simulated
+
+    folder = write_simulated(out, site, case, pictures)
+    walk = case.recorded.odometry(case.recorded.sources[0])
+    return {
+        "scene": site.name,
+        "walk": case.name,
+        "folder": str(folder.relative_to(out)),
+        "walls": [len(scan.walls_m) for scan in case.scans],
+        "walked_m": round(float(walk.walked_m[-1]), 2),
+        "samples": len(walk),
+        "events": [event.kind for event in case.events],
+    }
+
+
+def _tell(rows: list[dict[str, Any]], out: Path, say: Any) -> None:  # noqa: ANN401
+    scenes = len({row["scene"] for row in rows})
+    metres = sum(row["walked_m"] for row in rows)
+    words = f"{scenes} buildings" if scenes > 1 else rows[0]["scene"]
+    say(f"{len(rows)} walks of {metres / len(rows):.0f} m on average in {words}: {out}")
+    say(f"Next: palms bench {out} --out results")

@@ -1,0 +1,293 @@
+"""Report: one walk on one page that needs nothing else."""
+
+from __future__ import annotations
+
+import base64
+import os
+import platform
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field
+from html import escape
+from importlib.metadata import PackageNotFoundError, version
+from string import Template
+from typing import Final
+
+import numpy as np
+
+from palms.belief import Estimate
+from palms.plot.album import Picture, make_album
+from palms.plot.output import write_bytes
+from palms.plot.recorder import MOMENTS
+from palms.plot.story import Story
+
+__all__ = ["Details", "installed_versions", "report_html", "write_report"]
+
+_MOMENT_WORDS: Final = {
+    "start": "start",
+    "t1": "oriented (t1)",
+    "t2": "localized (t2)",
+    "end": "end",
+}
+_FOLDED: Final = (".gif",)  # moves: shown when asked for
+
+_PAGE: Final = Template("""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>$title</title>
+<style>
+:root { color-scheme: light dark; --ink: #1c1c1c; --paper: #ffffff; --line: #d0d0d0; --soft: #f3f3f3; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e9e9e9; --paper: #16181b; --line: #474b50; --soft: #22262b; }
+}
+body { margin: 0 auto; max-width: 70rem; padding: 1.5rem; background: var(--paper);
+  color: var(--ink); font: 1rem/1.5 system-ui, sans-serif; }
+h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; }
+.verdict { font-size: 1.15rem; border-left: 0.3rem solid #0072b2; padding-left: 0.8rem; }
+table { border-collapse: collapse; margin: 0.5rem 0; }
+caption { text-align: left; font-style: italic; padding: 0.2rem 0; }
+th, td { border-bottom: 1px solid var(--line); padding: 0.3rem 0.9rem 0.3rem 0; text-align: left;
+  font-variant-numeric: tabular-nums; vertical-align: top; }
+.wide { overflow-x: auto; }
+figure { margin: 1rem 0; }
+img { max-width: 100%; height: auto; background: #ffffff; border-radius: 6px; padding: 6px;
+  box-sizing: border-box; }
+figcaption { font-size: 0.92rem; max-width: 50rem; }
+pre { background: var(--soft); padding: 0.7rem; overflow-x: auto; border-radius: 6px; }
+summary { cursor: pointer; }
+</style>
+</head>
+<body>
+<header>
+<h1>$title</h1>
+<p class="verdict">$verdict</p>
+</header>
+<main>
+<section aria-labelledby="numbers">
+<h2 id="numbers">In numbers</h2>
+$moments
+$facts
+</section>
+$figures
+<section aria-labelledby="how">
+<h2 id="how">How it was made</h2>
+$made
+</section>
+</main>
+</body>
+</html>
+""")
+
+
+@dataclass(frozen=True, slots=True)
+class Details:
+    """What a report says about how it came about.
+
+    Parameters
+    ----------
+    title : str, optional
+        Of the page; the plan's name when left out.
+    command : str
+        The command line that made it.
+    versions : mapping of str to str
+        Software and versions; `installed_versions` when left out.
+    notes : mapping of str to str
+        More rows for the table of numbers.
+
+    Examples
+    --------
+    >>> Details(command="palms demo").command
+    'palms demo'
+    """
+
+    title: str | None = None
+    command: str = ""
+    versions: Mapping[str, str] = field(default_factory=lambda: installed_versions())
+    notes: Mapping[str, str] = field(default_factory=dict)
+
+
+def installed_versions() -> dict[str, str]:
+    """Return the versions of what results rest on.
+
+    Examples
+    --------
+    >>> sorted(installed_versions())[:2]
+    ['Python', 'matplotlib']
+    """
+    found = {"Python": platform.python_version()}
+    for package in ("palms-localization", "numpy", "scipy", "numba", "shapely", "matplotlib"):
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed as a package"
+    return found
+
+
+def write_report(
+    path: str | os.PathLike[str],
+    story: Story,
+    details: Details | None = None,
+    album: tuple[Picture, ...] | None = None,
+) -> None:
+    """Write a page about a walk, with everything inside it: one HTML file.
+
+    Parameters
+    ----------
+    path : path
+        The file; replaced when it exists. Its folder must exist.
+    story : Story
+    details : Details, optional
+        Command, versions and notes.
+    album : tuple of Picture, optional
+        What `make_album` drew, when it is there already.
+
+    Raises
+    ------
+    OutputError
+        When it cannot be written.
+
+    Examples
+    --------
+    >>> from palms.plot import write_report
+    >>> write_report("report.html", story)  # doctest: +SKIP
+    """
+    write_bytes(path, report_html(story, details, album).encode("utf-8"))
+
+
+def report_html(
+    story: Story, details: Details | None = None, album: tuple[Picture, ...] | None = None
+) -> str:
+    """Return what `write_report` writes.
+
+    Examples
+    --------
+    >>> from palms import FloorPlan, Odometry, rasterize, track
+    >>> from palms.plot import Recorder
+    >>> from palms.settings import Settings
+    >>> room = [[[0, 0], [6, 0]], [[6, 0], [6, 4]], [[6, 4], [0, 4]], [[0, 4], [0, 0]]]
+    >>> raster, walk = rasterize(FloorPlan(room)), Odometry([1, 2], [[0.5, 0], [1, 0]])
+    >>> recorder = Recorder()
+    >>> answers = track(raster, None, walk, Settings.uniform(), watch=recorder)
+    >>> page = report_html(Story(raster, walk, answers, recorder))
+    >>> page.count("<img"), page.count(' alt="')
+    (4, 4)
+    """
+    details = details or Details()
+    album = make_album(story) if album is None else album
+    return _PAGE.substitute(
+        title=escape(details.title or f"A walk through {story.plan.name}"),
+        verdict=escape(_verdict(story)),
+        moments=_moments(story),
+        facts=_table("The walk", {**_facts(story), **details.notes}),
+        figures="\n".join(_figure(picture) for picture in album),
+        made="\n".join(_made(story, details)),
+    )
+
+
+def _verdict(story: Story) -> str:
+    track = story.track
+    if not len(track):
+        return "There is no answer: the walk has no steps."
+    at, last = track.localized_at_s, track.estimates[-1]
+    if at is None:
+        return "Not localized: the filter never was sure enough to say where the phone is."
+    walked = story.odometry.walked_m[story.step_at(at)]
+    words = f"Localized {walked:.0f} m into the walk, at {at:.1f} s"
+    if last.stage != "localized":
+        return f"{words}, but {last.stage} at the end."
+    if last.radius_95_m is not None:
+        words += f"; at the end within {max(last.radius_95_m, 0.1):.1f} m with 95 %"
+    if story.error_m is not None and np.isfinite(story.error_m[-1]):
+        words += f", and in truth {story.error_m[-1]:.1f} m off"
+    return f"{words}."
+
+
+def _facts(story: Story) -> dict[str, str]:
+    plan, odometry = story.plan, story.odometry
+    width, height = plan.size_m
+    facts = {
+        "Floor plan": f"{plan.name}, {width:.0f} × {height:.0f} m, {len(plan.segments_m)} segments",
+        "Walk": f"{odometry.walked_m[-1]:.1f} m in {odometry.time_s[-1] - odometry.time_s[0]:.1f} "
+        f"s, {len(odometry)} steps, {odometry.source} odometry",
+        "Scan": "none" if story.scan is None else f"{len(story.scan.walls_m)} walls",
+        "Seed": str(story.track.seed),
+    }
+    if story.error_m is not None:
+        localized = np.array([estimate.is_localized for estimate in story.track])
+        error = story.error_m[localized & np.isfinite(story.error_m)]
+        if len(error):
+            facts["While localized"] = (
+                f"median error {np.median(error):.2f} m, largest {error.max():.2f} m, within 1 m "
+                f"{100 * (error < 1.0).mean():.0f} % of the steps"
+            )
+    return facts
+
+
+def _moments(story: Story) -> str:
+    """Table of start, t1, t2 and end."""
+    head = ("moment", "time", "walked", "off by", "95 % within", "within 1 m", "where")
+    rows = []
+    for moment in MOMENTS:
+        snapshot = story.recorder.moment(moment)
+        told = ["never"] + ["–"] * 5 if snapshot is None else _told(story, snapshot.estimate)
+        cells = "".join(f"<td>{escape(cell)}</td>" for cell in told)
+        rows.append(f'<tr><th scope="row">{_MOMENT_WORDS[moment]}</th>{cells}</tr>')
+    columns = "".join(f'<th scope="col">{name}</th>' for name in head)
+    return (
+        '<div class="wide"><table><caption>The moments of the method</caption>\n'
+        f"<thead><tr>{columns}</tr></thead>\n<tbody>\n"
+        + "\n".join(rows)
+        + "\n</tbody></table></div>"
+    )
+
+
+def _told(story: Story, estimate: Estimate) -> list[str]:
+    step = story.step_at(estimate.time_s)
+    error = np.nan if story.error_m is None else float(story.error_m[step])
+    place = estimate.position_m
+    where = "–" if place is None else f"x {place[0]:.1f} m, y {place[1]:.1f} m"
+    room = None if place is None else story.plan.room_at(place)
+    return [
+        f"{estimate.time_s:.1f} s",
+        f"{story.odometry.walked_m[step]:.1f} m",
+        f"{error:.2f} m" if np.isfinite(error) else "–",
+        "–" if estimate.radius_95_m is None else f"{estimate.radius_95_m:.1f} m",
+        f"{100 * estimate.p_within_1m:.0f} %",
+        f"{room} ({where})" if room else where,
+    ]
+
+
+def _table(caption: str, rows: Mapping[str, str]) -> str:
+    body = "\n".join(
+        f'<tr><th scope="row">{escape(name)}</th><td>{escape(value)}</td></tr>'
+        for name, value in rows.items()
+    )
+    return (
+        f'<div class="wide"><table><caption>{escape(caption)}</caption>\n'
+        f"<tbody>\n{body}\n</tbody></table></div>"
+    )
+
+
+def _figure(picture: Picture) -> str:
+    content = base64.b64encode(picture.content).decode("ascii")
+    words, title = escape(picture.words, quote=True), escape(picture.title)
+    key = picture.name.replace(".", "-")
+    image = f'<img src="data:{picture.mime};base64,{content}" alt="{words}">'
+    figure = f"<figure>\n{image}\n<figcaption>{words}</figcaption>\n</figure>"
+    if picture.name.endswith(_FOLDED):
+        figure = f"<details>\n<summary>Show the animation</summary>\n{figure}\n</details>"
+    return f'<section aria-labelledby="{key}">\n<h2 id="{key}">{title}</h2>\n{figure}\n</section>'
+
+
+def _made(story: Story, details: Details) -> Iterator[str]:
+    if details.command:
+        yield f"<p>Command:</p>\n<pre><code>{escape(details.command)}</code></pre>"
+    yield _table("Versions", details.versions)
+    rows: dict[str, str] = {}
+    for name, value in asdict(story.settings).items():
+        if isinstance(value, dict):
+            rows |= {f"{name}.{key}": str(each) for key, each in value.items()}
+        else:
+            rows[name] = str(value)
+    yield (f"<details>\n<summary>All settings</summary>\n{_table('Settings', rows)}\n</details>")
