@@ -9,10 +9,18 @@ from pathlib import Path
 
 import numpy as np
 
+from palms.geometry import FloatArray
+from palms.heatmap import Heatmaps
 from palms.places import Place, find_places
 from palms.plot.animation import animation_bytes
 from palms.plot.candidates import candidates_figure
-from palms.plot.empty_space import empty_space_figure
+from palms.plot.empty_space import (
+    empty_space_figure,
+    length_m,
+    right_match,
+    walls_inside,
+    wrong_match,
+)
 from palms.plot.output import image_bytes, write_bytes
 from palms.plot.pipeline import pipeline_figure
 from palms.plot.plans import plan_figure
@@ -137,7 +145,7 @@ def _pictures_of_scan(story: Story) -> Iterator[Picture]:
                   _of_pipeline(story))  # fmt: skip
     figure = empty_space_figure(heatmaps, here)
     yield Picture("empty-space.png", "Certainly empty space", image_bytes(figure, dpi=_DPI),
-                  _of_empty_space())  # fmt: skip
+                  _of_empty_space(heatmaps, here))  # fmt: skip
     places = find_places(candidates)[:_PLACES]
     spot = None if here is None else here.tolist()
     figure = candidates_figure(story.plan, places, story.scan, spot)
@@ -167,8 +175,8 @@ def _of_track(story: Story) -> str:
 def _of_animation(story: Story) -> str:
     n, first = len(story.recorder), story.recorder.frames[0]
     return (
-        f"Animation over {n} steps: {len(first.position_m):,} particles on the plan, coloured and "
-        "shaped by their drift, gather while the user walks; a red dot is the answer"
+        f"Animation over {n} steps: {len(first.position_m):,} particles move over the plan as the "
+        "user walks, coloured and shaped by their drift; a red dot is the answer"
         + ("." if story.truth_m is None else ", a green cross the true place.")
     )
 
@@ -196,13 +204,20 @@ def _of_pipeline(story: Story) -> str:
     )
 
 
-def _of_empty_space() -> str:
-    return (
+def _of_empty_space(heatmaps: Heatmaps, here: FloatArray | None) -> str:
+    right = right_match(heatmaps, here)
+    wrong = wrong_match(heatmaps, right.position_m)
+    inside_m = length_m(walls_inside(heatmaps, right))
+    words = (
         "Orange triangles between the observation point and each wall that was seen: nothing can "
-        "stand there. Left the scan alone, in the middle laid on the right place of the plan, "
-        "where the triangles are empty, right on a wrong place, where walls of the plan that lie "
-        "inside them are drawn thick and red."
+        "stand there. Left the scan alone; in the middle it lies on the "
+        f"{'best match' if here is None else 'right place'}, with {inside_m:.1f} m of the plan's "
+        "walls inside the triangles, drawn thick and red"
     )
+    if wrong is None:
+        return f"{words}; a wrong place with walls like these was not found."
+    inside_m = length_m(walls_inside(heatmaps, wrong))
+    return f"{words}; right on a wrong place, with {inside_m:.1f} m."
 
 
 def _of_candidates(places: tuple[Place, ...]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Final, NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -32,7 +32,7 @@ from palms.plot.style import (
 )
 from palms.template import empty_triangles
 
-__all__ = ["Match", "empty_space_figure", "right_match", "wrong_match"]
+__all__ = ["Match", "empty_space_figure", "length_m", "right_match", "walls_inside", "wrong_match"]
 
 _INTRUDING_M: Final = 1.5  # a wrong place has at least so much wall in its empty space
 _AWAY_M: Final = 5.0  # and is at least so far from the right one
@@ -178,8 +178,6 @@ def _reach_m(heatmaps: Heatmaps) -> float:
 
 def _draw_match(axes: Axes, heatmaps: Heatmaps, match: Match, plan: FloorPlan | None) -> float:
     """Draw a scan laid on a place; return the metres of plan wall in its empty space."""
-    import shapely
-
     walls = rotate(heatmaps.scan.relative_m, match.drift_rad)
     triangles = empty_triangles(walls, heatmaps.settings.empty_shrink) + match.position_m
     for triangle in triangles:
@@ -191,22 +189,43 @@ def _draw_match(axes: Axes, heatmaps: Heatmaps, match: Match, plan: FloorPlan | 
     if plan is None:
         return 0.0
     draw_plan(axes, plan, 0.9)
-    space = shapely.union_all(shapely.make_valid([shapely.Polygon(each) for each in triangles]))
-    cut = shapely.intersection(shapely.linestrings(plan.blocking_m), space)
+    inside = walls_inside(heatmaps, match)
     axes.add_collection(
         LineCollection(
-            _lines(cut), colors=INTRUDER, linewidths=5.0, capstyle="butt", zorder=6, gid="intruder"
+            inside, colors=INTRUDER, linewidths=5.0, capstyle="butt", zorder=6, gid="intruder"
         ),
         autolim=False,
     )
-    return float(shapely.length(cut).sum())
+    return length_m(inside)
 
 
-def _lines(shapes: npt.NDArray[Any]) -> list[FloatArray]:
+def walls_inside(heatmaps: Heatmaps, match: Match) -> list[FloatArray]:
+    """Return the parts (n, 2) of the plan's walls that lie inside the certainly empty space.
+
+    Parameters
+    ----------
+    heatmaps : Heatmaps
+    match : Match
+    """
     import shapely
 
-    parts = shapely.get_parts(shapes)
+    walls = rotate(heatmaps.scan.relative_m, match.drift_rad)
+    triangles = empty_triangles(walls, heatmaps.settings.empty_shrink) + match.position_m
+    space = shapely.union_all(shapely.make_valid([shapely.Polygon(each) for each in triangles]))
+    lines = shapely.linestrings(heatmaps.raster.plan.blocking_m)
+    parts = shapely.get_parts(shapely.intersection(lines, space))
     return [shapely.get_coordinates(part) for part in parts if part.length > 0]
+
+
+def length_m(lines: list[FloatArray]) -> float:
+    """Return the summed length of lines (n, 2) in metres.
+
+    Examples
+    --------
+    >>> length_m([np.array([[0.0, 0.0], [3.0, 4.0]])])
+    5.0
+    """
+    return float(sum(np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines))
 
 
 def _entries() -> list[Line2D | Patch]:

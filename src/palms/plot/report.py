@@ -28,6 +28,7 @@ _MOMENT_WORDS: Final = {
     "t2": "localized (t2)",
     "end": "end",
 }
+_SOURCES: Final = {"vio": "visual-inertial", "inertial": "inertial"}
 _FOLDED: Final = (".gif",)  # moves: shown when asked for
 
 _PAGE: Final = Template("""<!DOCTYPE html>
@@ -37,7 +38,8 @@ _PAGE: Final = Template("""<!DOCTYPE html>
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>$title</title>
 <style>
-:root { color-scheme: light dark; --ink: #1c1c1c; --paper: #ffffff; --line: #d0d0d0; --soft: #f3f3f3; }
+:root { color-scheme: light dark;
+  --ink: #1c1c1c; --paper: #ffffff; --line: #d0d0d0; --soft: #f3f3f3; }
 @media (prefers-color-scheme: dark) {
   :root { --ink: #e9e9e9; --paper: #16181b; --line: #474b50; --soft: #22262b; }
 }
@@ -80,6 +82,23 @@ $made
 """)
 
 
+def installed_versions() -> dict[str, str]:
+    """Return the versions of what results rest on.
+
+    Examples
+    --------
+    >>> sorted(installed_versions())[:2]
+    ['Python', 'matplotlib']
+    """
+    found = {"Python": platform.python_version()}
+    for package in ("palms-localization", "numpy", "scipy", "numba", "shapely", "matplotlib"):
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            found[package] = "not installed as a package"
+    return found
+
+
 @dataclass(frozen=True, slots=True)
 class Details:
     """What a report says about how it came about.
@@ -103,25 +122,8 @@ class Details:
 
     title: str | None = None
     command: str = ""
-    versions: Mapping[str, str] = field(default_factory=lambda: installed_versions())
+    versions: Mapping[str, str] = field(default_factory=installed_versions)
     notes: Mapping[str, str] = field(default_factory=dict)
-
-
-def installed_versions() -> dict[str, str]:
-    """Return the versions of what results rest on.
-
-    Examples
-    --------
-    >>> sorted(installed_versions())[:2]
-    ['Python', 'matplotlib']
-    """
-    found = {"Python": platform.python_version()}
-    for package in ("palms-localization", "numpy", "scipy", "numba", "shapely", "matplotlib"):
-        try:
-            found[package] = version(package)
-        except PackageNotFoundError:
-            found[package] = "not installed as a package"
-    return found
 
 
 def write_report(
@@ -209,7 +211,7 @@ def _facts(story: Story) -> dict[str, str]:
     facts = {
         "Floor plan": f"{plan.name}, {width:.0f} × {height:.0f} m, {len(plan.segments_m)} segments",
         "Walk": f"{odometry.walked_m[-1]:.1f} m in {odometry.time_s[-1] - odometry.time_s[0]:.1f} "
-        f"s, {len(odometry)} steps, {odometry.source} odometry",
+        f"s, {len(odometry)} steps, {_SOURCES[odometry.source]} odometry",
         "Scan": "none" if story.scan is None else f"{len(story.scan.walls_m)} walls",
         "Seed": str(story.track.seed),
     }
@@ -274,7 +276,8 @@ def _figure(picture: Picture) -> str:
     words, title = escape(picture.words, quote=True), escape(picture.title)
     key = picture.name.replace(".", "-")
     image = f'<img src="data:{picture.mime};base64,{content}" alt="{words}">'
-    figure = f"<figure>\n{image}\n<figcaption>{words}</figcaption>\n</figure>"
+    caption = f'<figcaption aria-hidden="true">{words}</figcaption>'  # the alt says it already
+    figure = f"<figure>\n{image}\n{caption}\n</figure>"
     if picture.name.endswith(_FOLDED):
         figure = f"<details>\n<summary>Show the animation</summary>\n{figure}\n</details>"
     return f'<section aria-labelledby="{key}">\n<h2 id="{key}">{title}</h2>\n{figure}\n</section>'

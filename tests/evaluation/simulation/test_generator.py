@@ -147,7 +147,7 @@ def test_buildings_are_turned_any_way_and_plausible(plans):
     assert sizes.min() > 28
     assert sizes.max() <= 121
     rooms = np.array([len(plan.rooms) for plan in plans.values()])
-    assert 15 <= rooms.min()
+    assert rooms.min() >= 15
     assert 40 <= np.median(rooms) <= 80
     doors = np.concatenate([lengths(p.of_class(SegmentClass.DOOR)) for p in plans.values()])
     assert 0.9 < np.median(doors) < 1.0

@@ -62,7 +62,7 @@ class Building:
     --------
     >>> building = generate_levels("office", 7, 2)
     >>> [plan.level for plan in building.levels], building.stairs[0].name
-    (['5', '6'], 'Stairs A')
+    (['2', '3'], 'Stairs A')
     """
 
     levels: tuple[FloorPlan, ...]
@@ -105,7 +105,7 @@ def generate_building(kind: str, seed: int) -> FloorPlan:
     --------
     >>> plan = generate_building("office", 7)
     >>> plan.name, plan.level, len(plan.rooms) > 20
-    ('office-7', '5', True)
+    ('office-7', '2', True)
     """
     return generate_levels(kind, seed, 1).levels[0]
 

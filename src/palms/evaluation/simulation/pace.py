@@ -63,7 +63,7 @@ def with_stops(truth: TrueWalk, rng: np.random.Generator) -> TrueWalk:
     >>> position = np.column_stack([np.arange(1.0, 201.0), np.zeros(200)])
     >>> truth = TrueWalk(np.arange(1.0, 201.0), position, np.zeros(200), np.zeros(2))
     >>> stopped = with_stops(truth, np.random.default_rng(0))
-    >>> stopped.length_m == truth.length_m, stopped.time_s[-1] > 203
+    >>> stopped.length_m == truth.length_m, bool(stopped.time_s[-1] > 203)
     (True, True)
     """
     count = max(1, int(rng.poisson(truth.length_m / _STOP_EVERY_M)))

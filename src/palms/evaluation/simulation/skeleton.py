@@ -152,8 +152,8 @@ class Skeleton:
 
     Examples
     --------
-    >>> Skeleton((Block(30.0, 13.0, (Span(5.5, 7.5),)),)).size_m
-    30.0
+    >>> Skeleton((Block(40.0, 30.0, (Span(5.5, 7.5),)),)).size_m
+    50.0
     """
 
     blocks: tuple[Block, ...]
