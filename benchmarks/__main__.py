@@ -8,9 +8,9 @@ import sys
 from pathlib import Path
 
 from benchmarks.harness import Result, machine, measure, table, write
+from benchmarks.page import put
 
 FILES = ("raster", "heatmaps", "filter", "convergence", "walk", "command")
-MARK = "<!-- table:speed -->", "<!-- /table:speed -->"
 
 
 def main() -> None:
@@ -29,15 +29,8 @@ def main() -> None:
     if arguments.json:
         write(results, arguments.json)
     if arguments.results:
-        put(text, arguments.results)
-
-
-def put(text: str, page: Path) -> None:
-    """Replace what stands between the page's marks by the table and the machine."""
-    before, rest = page.read_text().split(MARK[0])
-    after = rest.split(MARK[1])[1]
-    words = ", ".join(f"{k} {v}" for k, v in machine().items())
-    page.write_text(f"{before}{MARK[0]}\n\n{text}\n\n{words}\n\n{MARK[1]}{after}")
+        words = ", ".join(f"{name} {value}" for name, value in machine().items())
+        put("speed", f"{text}\n\n{words}", arguments.results)
 
 
 if __name__ == "__main__":

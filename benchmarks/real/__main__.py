@@ -11,11 +11,12 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
+from benchmarks.page import put
 from benchmarks.real.cases import Key, load_case, write_as_dataset
 from benchmarks.real.plans import GRADES, SUITES, cache_folder
 from benchmarks.real.radish import BUILDINGS, data_folder
 from benchmarks.real.run import Plan, as_json, run
-from benchmarks.real.table import markdown
+from benchmarks.real.table import digest, markdown
 from palms.io import write_json, write_text
 from palms.settings import METHODS
 
@@ -43,6 +44,7 @@ def _parser() -> argparse.ArgumentParser:
     add("--apart", choices=("position", "path"), default="position",
         help="how starts are 10 m apart; by path there are more, which overlap")  # fmt: skip
     add("--seeds", type=int, default=10, help="seeds 0 to N-1 for each start")
+    add("--results", type=Path, help="put a digest of the table into this page")
     add("--jobs", type=int, default=1, help="processes; the results do not depend on it")
     add("--cache", type=Path, default=cache_folder(), help="where fitted walls are kept")
     add("--write-case", nargs=3, metavar=("BUILDING", "START", "DIR"),
@@ -79,6 +81,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     write_json(options.out / "results.json", as_json(plan, trials))
     title = f"Radish, {plan.purpose} starts at least 10 m apart by {plan.apart}, {plan.seeds} seeds"
     write_text(options.out / "table.md", markdown(trials, title))
+    if options.results:
+        put("radish", f"{title}.\n\n{digest(trials)}", options.results)
     print(options.out / "table.md")
     return 0
 
