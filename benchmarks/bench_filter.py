@@ -50,7 +50,7 @@ def cases() -> list[Case]:
                  lambda p=particles: numpy_move(p), "numpy, the move alone")
         )  # fmt: skip
     start = spread(2000).position_m
-    end, hit = start + [0.6, 0.0], np.empty(2000, np.bool_)
+    end, hit = start + np.array([0.6, 0.0]), np.empty(2000, np.bool_)
     weights = np.random.default_rng(0).random(2000)
     normals = np.empty((2000, 3))
     generator = np.random.default_rng(0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -29,7 +30,7 @@ def plan() -> FloorPlan:
         for y in (bottom, top):
             if y in (0.0, HEIGHT_M):
                 continue
-            for left, right in zip(edges[:-1], edges[1:], strict=True):
+            for left, right in pairwise(edges):
                 door = rng.uniform(left + 0.5, right - 0.5 - DOOR_M)
                 walls += [[[left, y], [door, y]], [[door + DOOR_M, y], [right, y]]]
     return FloorPlan(np.array(walls)[:377], name="benchmark floor")

@@ -12,7 +12,6 @@ import numpy.typing as npt
 
 from palms.errors import InputError
 from palms.geometry import FloatArray, as_readonly, bounds, check_points, check_segments, lengths
-
 from palms.settings import LIMITS
 
 __all__ = ["FloorPlan", "Room", "SegmentClass"]

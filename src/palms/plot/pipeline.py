@@ -40,7 +40,7 @@ from palms.scan import Scan
 __all__ = ["draw_scan", "pipeline_figure"]
 
 _RINGS_M = (1.0, 3.0, 5.0)  # paper V: the scanner's range is 5 m
-_PIXELS = 420  # of the longer side of a heatmap; more than its panel shows
+_PIXELS = 330  # of the longer side of a heatmap; more than its panel shows
 _PARTICLES = 2000
 _HATCHED = 0.25  # of the template's bound: emptier cells are hatched, to be told in grey
 

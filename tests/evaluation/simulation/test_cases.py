@@ -118,7 +118,7 @@ def test_hints_are_right_or_wrong(site):
                 assert (site.drawings[0].room_at(here) == event.room) is right
             else:
                 away = np.linalg.norm(here - event.position_m)
-                assert (away <= event.radius_m) is right
+                assert bool(away <= event.radius_m) is right
             assert event.is_right is right
 
 

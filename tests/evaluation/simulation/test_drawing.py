@@ -62,7 +62,9 @@ def test_undrawn_doors_are_walls(plan):
 
 def test_columns_are_left_out():
     plan = generate_building("office", 5)
-    assert len(drawn(plan, column_undrawn_share=1.0).segments_m) == len(plan.segments_m) - 8
+    sides = np.isclose(lengths(plan.segments_m), 0.45, atol=0.002).sum()
+    assert sides >= 8
+    assert len(drawn(plan, column_undrawn_share=1.0).segments_m) == len(plan.segments_m) - sides
 
 
 def test_walls_as_two_faces_enclose_the_lines(plan):

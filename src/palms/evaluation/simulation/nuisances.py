@@ -161,7 +161,7 @@ class NuisanceRanges:
     missing_share: _Range = (0.02, 0.12)
     merged_share: _Range = (0.0, 0.08)
     door_undrawn_share: _Range = (0.0, 0.2)
-    column_undrawn_share: _Range = (0.0, 1.0)
+    column_undrawn_share: _Range = (0.0, 0.5)
     scale_sd: _Range = (0.004, 0.015)
     two_faces_share: _Range = (0.25, 0.25)
     normal_sd_m: _Range = (0.02, 0.08)

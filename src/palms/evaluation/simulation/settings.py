@@ -118,7 +118,7 @@ class PlanNoise:
     moved_m: float = 1.0
     merged_share: float = 0.03
     door_undrawn_share: float = 0.08
-    column_undrawn_share: float = 0.5
+    column_undrawn_share: float = 0.3
     scale_sd: float = 0.01
     one_way_share: float = 0.5
     two_faces_share: float = 0.25

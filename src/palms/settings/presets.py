@@ -1,0 +1,116 @@
+"""The presets of the methods, by name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from palms.errors import SettingsError
+from palms.settings.groups import (
+    AnswerSettings,
+    CandidateSettings,
+    ConvergenceSettings,
+    MotionSettings,
+    RasterSettings,
+    StartSettings,
+    TemplateSettings,
+)
+
+__all__ = ["METHODS", "Settings"]
+
+METHODS = ("palms", "paper", "authors", "uniform", "uniform-ori", "no-scan")
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """All settings of a method; change one with `dataclasses.replace`.
+
+    Parameters
+    ----------
+    method : str
+        Name of the method, one of `METHODS`.
+    raster, template, candidates, start, motion, convergence, answer
+        The groups.
+
+    Examples
+    --------
+    >>> Settings.paper().template.empty_weight
+    1.0
+    >>> Settings.for_method("authors").motion.hit_weight
+    0.3
+    """
+
+    method: str = "palms"
+    raster: RasterSettings = field(default_factory=RasterSettings)
+    template: TemplateSettings = field(default_factory=TemplateSettings)
+    candidates: CandidateSettings = field(default_factory=CandidateSettings)
+    start: StartSettings = field(default_factory=StartSettings)
+    motion: MotionSettings = field(default_factory=MotionSettings)
+    convergence: ConvergenceSettings = field(default_factory=ConvergenceSettings)
+    answer: AnswerSettings = field(default_factory=AnswerSettings)
+
+    @classmethod
+    def paper(cls) -> Settings:
+        """Return section III of the paper as written."""
+        return cls(method="paper")
+
+    @classmethod
+    def authors(cls) -> Settings:
+        """Return what the authors published as code, as far as it differs from the paper."""
+        return cls(
+            method="authors",
+            template=TemplateSettings(
+                wall_scale="sum", empty_weight=10.0, empty_erode_cells=1, empty_range_m=10.0,
+                truncate_cells=3, range_sigma_m=10.0, floor_at_zero=True,
+            ),
+            start=StartSettings(orientation_from="axes"),
+            motion=MotionSettings(
+                length_m=0.356, direction_rad=0.05, drift_rad=0.015, scaling="sample",
+                hit_weight=0.3,
+            ),
+            convergence=ConvergenceSettings(
+                bandwidth_m=None, recluster_steps=10, search_steps=5, withdraw=True,
+                divide_particles=True,
+            ),
+        )  # fmt: skip
+
+    @classmethod
+    def uniform(cls) -> Settings:
+        """Return paper IV-B, Uniform: everywhere, with any drift; step 1 by dispersion."""
+        return cls(
+            method="uniform",
+            start=StartSettings(source="uniform"),
+            convergence=ConvergenceSettings(step1="dispersion"),
+        )
+
+    @classmethod
+    def uniform_ori(cls) -> Settings:
+        """Return paper IV-B, Uniform + Ori: four drifts, from the plan and the first moves."""
+        return cls(method="uniform-ori", start=StartSettings(source="uniform-ori"))
+
+    @classmethod
+    def no_scan(cls) -> Settings:
+        """Return our filter without a scan."""
+        return replace(cls.uniform(), method="no-scan")
+
+    @classmethod
+    def for_method(cls, name: str) -> Settings:
+        """Return the preset of a method by its name.
+
+        Raises
+        ------
+        SettingsError
+            When there is no such method.
+        """
+        presets: dict[str, Any] = {
+            "palms": cls, "paper": cls.paper, "authors": cls.authors, "uniform": cls.uniform,
+            "uniform-ori": cls.uniform_ori, "no-scan": cls.no_scan,
+        }  # fmt: skip
+        if name not in presets:
+            raise SettingsError("method", expected="one of " + ", ".join(METHODS), got=repr(name))
+        preset: Settings = presets[name]()
+        return preset
+
+    def with_particles(self, n_particles: int) -> Settings:
+        """Return the same settings with another number of particles."""
+        return replace(self, start=replace(self.start, n_particles=n_particles))
