@@ -17,7 +17,7 @@ def test_the_dominant_cluster_is_the_one_with_most_points():
 def test_modes_move_with_the_points():
     rng = np.random.default_rng(1)
     points = rng.normal(0, 3, (400, 2))
-    a, b = mean_shift(points, 1.0)[0], mean_shift([*points, 100, -50], 1.0)[0]
+    a, b = mean_shift(points, 1.0)[0], mean_shift(points + np.array([100.0, -50.0]), 1.0)[0]
     assert b - [100, -50] == pytest.approx(a, abs=1e-6)
 
 

@@ -70,7 +70,11 @@ def test_a_plan_too_large_for_its_cells_is_refused_before_any_memory_is_taken():
     huge = FloorPlan([[[0, 0], [4000, 3000]]])
     with pytest.raises(InputError, match=r"4002 x 3002 m, 1,201,400,400 cells.*cell size of 0\.78"):
         rasterize(huge)
-    assert rasterize(huge, RasterSettings(cell_size_m=0.8)).grid.size < 20_000_000
+    wing = FloorPlan([[[0, 0], [60, 40]]])
+    few = RasterSettings(max_cells=20_000)
+    with pytest.raises(InputError, match=r"cell size of 0\.37 m"):
+        rasterize(wing, few)
+    assert rasterize(wing, RasterSettings(cell_size_m=0.37, max_cells=20_000)).grid.size <= 20_000
 
 
 def test_clearance_never_exceeds_the_distance_to_a_wall():

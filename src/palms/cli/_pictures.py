@@ -2,34 +2,33 @@
 
 from __future__ import annotations
 
-import math
+import shlex
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
+from palms.cli._words import at_the_end, outcome
 from palms.io.files import make_folder
+from palms.io.track_json import versions
 from palms.localizer import locate, track
+from palms.plot.album import make_album, write_album
+from palms.plot.candidates import candidates_figure
 from palms.plot.output import write_figure
-from palms.plot.pipeline import pipeline_figure
-from palms.plot.plans import draw_plan as draw_segments
-from palms.plot.plans import figure_size, plan_figure
+from palms.plot.plans import plan_figure
 from palms.plot.recorder import Recorder
+from palms.plot.report import Details, write_report
 from palms.plot.story import Story
-from palms.plot.style import ANSWER, GROUPS, INK, MUTED, frame_map, new_figure, styled
 from palms.raster import rasterize
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from palms.cli._inputs import Case
     from palms.floorplan import FloorPlan
     from palms.places import Place
     from palms.scan import Scan
     from palms.settings import Settings
 
-__all__ = ["draw_places", "draw_plan", "draw_walk", "places_figure", "tell_story"]
+__all__ = ["draw_places", "draw_plan", "draw_walk", "tell_story"]
 
 
 def draw_plan(path: Path, plan: FloorPlan) -> None:
@@ -39,51 +38,11 @@ def draw_plan(path: Path, plan: FloorPlan) -> None:
 
 def draw_places(path: Path, plan: FloorPlan, scan: Scan, places: Sequence[Place]) -> None:
     """Write a picture of candidate places."""
-    write_figure(path, places_figure(plan, scan, places))
-
-
-@styled
-def places_figure(plan: FloorPlan, scan: Scan, places: Sequence[Place]) -> Figure:
-    """Draw candidate places over their plan, with the walls that the scan saw from each.
-
-    Parameters
-    ----------
-    plan : FloorPlan
-    scan : Scan
-    places : sequence of Place
-        In order; they are numbered from 1.
-    """
-    from matplotlib.collections import LineCollection
-
-    from palms.geometry import rotate
-
-    figure = new_figure(*figure_size(plan, 70.0, extra_in=0.6))
-    axes = figure.add_subplot()
-    frame_map(axes, *plan.bounds_m)
-    draw_segments(axes, plan, colour=MUTED)
-    for rank, place in reversed(list(enumerate(places, start=1))):
-        colour = ANSWER if rank == 1 else GROUPS[1].colour
-        walls = np.add(rotate(scan.relative_m, place.drift_rad), (place.x_m, place.y_m))
-        axes.add_collection(LineCollection(list(walls), colors=colour, linewidths=2.4, zorder=5))
-        axes.plot(
-            [place.x_m], [place.y_m], "o", markersize=13, color="white",
-            markeredgecolor=colour, markeredgewidth=1.6, zorder=6,
-        )  # fmt: skip
-        axes.text(
-            place.x_m, place.y_m, str(rank), color=INK, fontsize=8, ha="center",
-            va="center_baseline", zorder=7,
-        )  # fmt: skip
-    best = places[0]
-    axes.set_title(
-        f"Where the scan may have been taken on {plan.name}: the {len(places)} most probable "
-        f"places,\nwith the walls seen from each. Place 1: {100 * best.p:.1f} %, "
-        f"drift {math.degrees(best.drift_rad):.1f}°"
-    )
-    return figure
+    write_figure(path, candidates_figure(plan, places, scan))
 
 
 def draw_walk(folder: Path, case: Case, settings: Settings, seed: int) -> list[Path]:
-    """Write the pictures of a tracked walk into a folder, made when it is not there.
+    """Write report, pictures and animation of a walk into a folder, made when it is not there.
 
     Returns
     -------
@@ -91,16 +50,24 @@ def draw_walk(folder: Path, case: Case, settings: Settings, seed: int) -> list[P
         What was written, the most worth looking at first.
     """
     story = tell_story(case, settings, seed)
+    album = make_album(story)
     make_folder(folder)
-    written = []
-    if story.heatmaps is not None and story.candidates is not None:
-        place = story.scan_place_m
-        figure = pipeline_figure(story.heatmaps, story.candidates, truth_m=place)
-        written.append(folder / "pipeline.png")
-        write_figure(written[-1], figure)
-    written.append(folder / "plan.png")
-    write_figure(written[-1], plan_figure(case.plan))
-    return written
+    written = write_album(folder, album)
+    report = folder / "report.html"
+    write_report(report, story, _details(story, case), album)
+    return [report, *written]
+
+
+def _details(story: Story, case: Case) -> Details:
+    """Return what a report says about a walk besides its numbers."""
+    told = [*outcome(story.track, case), *at_the_end(story.track, case)]
+    return Details(
+        title=f"{case.walk_name} on {case.plan.name}: where is the phone?",
+        summary=tuple(sentence for sentence in told if sentence),
+        command=shlex.join(["palms", *sys.argv[1:]]),
+        versions=versions(),
+        notes={"Scan, walk": f"{case.scan_name}, {case.walk_name} ({case.source})"},
+    )
 
 
 def tell_story(case: Case, settings: Settings, seed: int) -> Story:

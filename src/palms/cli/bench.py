@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from palms.cli._errors import INTERRUPTED
+
 if TYPE_CHECKING:
     from palms.evaluation.experiment import Experiment, Journal
 
@@ -47,15 +49,19 @@ def bench(
     if walk_source not in ("arkit", "ronin"):
         raise InputError("--walk-source", expected="arkit or ronin", got=walk_source)
     experiment = Experiment(dataset, names, trials, seed, particles, walk_source)
-    for name in names:
-        experiment.settings(name)  # an unknown method is said before the work
-    cases = experiment.opened().cases
+    cases = experiment.cases()
     journal = Journal(out, experiment.to_json(cases))
-    _run(experiment, journal, jobs, cluster)
+    try:
+        _run(experiment, journal, len(cases), jobs, cluster)
+    except KeyboardInterrupt:
+        typer.echo("stopped; run the same command again to go on", err=True)
+        raise typer.Exit(INTERRUPTED) from None
     _write(experiment, journal, out)
 
 
-def _run(experiment: Experiment, journal: Journal, jobs: int, cluster: str | None) -> None:
+def _run(
+    experiment: Experiment, journal: Journal, walks: int, jobs: int, cluster: str | None
+) -> None:
     import sys
 
     from rich.console import Console
@@ -63,7 +69,7 @@ def _run(experiment: Experiment, journal: Journal, jobs: int, cluster: str | Non
 
     from palms.evaluation.workers import run_experiment
 
-    total = len(experiment.opened().cases) * len(experiment.methods) * experiment.trials
+    total = walks * len(experiment.methods) * experiment.trials
     done = len(journal.records)
     if done:
         typer.echo(f"going on: {done:,} of {total:,} trials are done", err=True)

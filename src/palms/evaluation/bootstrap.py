@@ -7,7 +7,7 @@ there are several), each with all of its trials.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Literal
 
@@ -24,6 +24,7 @@ Statistic = Literal["mean", "median"]
 
 DRAWS = 2000  # ours: moves the ends of an interval by about a hundredth of its width
 LEVEL = 0.95  # of every interval that is reported
+_SHARES = ("declared", "wrong", "wrong_of_declared")  # of which a median says nothing
 BINS = 10  # ours: reliability diagrams by tenths
 LOG_FLOOR = 1e-3  # ours: a filter of 2,000 particles cannot state less; keeps log scores finite
 
@@ -147,7 +148,11 @@ def _medians(value: FloatArray, unit: npt.NDArray[np.int64], counts: FloatArray)
     return out
 
 
-def aggregate(trials: Sequence[Mapping[str, Any]], units: Sequence[object]) -> dict[str, Interval]:
+def aggregate(
+    trials: Sequence[Mapping[str, Any]],
+    units: Sequence[object],
+    names: Collection[str] | None = None,
+) -> dict[str, Interval]:
     """Return figures over trials, with 95 % intervals over units.
 
     Parameters
@@ -156,6 +161,8 @@ def aggregate(trials: Sequence[Mapping[str, Any]], units: Sequence[object]) -> d
         Metrics by name, as `TrialMetrics.to_json` has them.
     units : sequence
         The walk of each trial; its building where there are several.
+    names : collection of str, optional
+        The figures that are wanted; all when left out, which takes its time.
 
     Returns
     -------
@@ -176,25 +183,31 @@ def aggregate(trials: Sequence[Mapping[str, Any]], units: Sequence[object]) -> d
     >>> figures["declared"].value, figures["right_after_m_full"].value
     (0.0, 5.0)
     """
+    column = _columns(trials)
+    figures = {}
+    for name, values in column.items():
+        if names is None or name in names:
+            figures[name] = bootstrap_interval(values, units)
+        middle = f"{name}_median"
+        if (names is None and name not in _SHARES) or (names is not None and middle in names):
+            figures[middle] = bootstrap_interval(values, units, "median")
+    return figures
+
+
+def _columns(trials: Sequence[Mapping[str, Any]]) -> dict[str, FloatArray]:
+    """Values of the trials by the figure's name; NaN where one is not defined."""
     column = {
         field.name: np.array([trial[field.name] for trial in trials], dtype=np.float64)
         for field in fields(TrialMetrics)
     }
-    figures = {name: bootstrap_interval(values, units) for name, values in column.items()}
-    declared = column["declared"] == 1
-    of_declared = np.where(declared, column["wrong"], np.nan)
-    figures["wrong_of_declared"] = bootstrap_interval(of_declared, units)
+    column["wrong_of_declared"] = np.where(column["declared"] == 1, column["wrong"], np.nan)
     for name, whole in (
         ("declared_after_s", "duration_s"), ("declared_after_m", "length_m"),
         ("right_after_m", "length_m"),
     ):  # fmt: skip
         values = column[name]
         column[f"{name}_full"] = np.where(np.isnan(values), column[whole], values)
-        figures[f"{name}_full"] = bootstrap_interval(column[f"{name}_full"], units)
-    for name, values in column.items():
-        if name not in ("declared", "wrong"):
-            figures[f"{name}_median"] = bootstrap_interval(values, units, "median")
-    return figures
+    return column
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,27 +10,30 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from palms.errors import InputError
-from palms.evaluation.metrics import Answers, trial_metrics
+from palms.evaluation.metrics import Answers, sample_step, trial_metrics
 from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
-from palms.io import Case, Dataset, open_dataset, read_json, write_json
+from palms.io import Case, RecordedWalk, open_dataset, read_json, write_json
+from palms.io.files import make_folder
 from palms.localizer import Track, track_trials
 from palms.odometry import Odometry
-from palms.raster import rasterize
+from palms.raster import PlanRaster, rasterize
 from palms.scan import Scan
-from palms.settings import AnswerSettings, Settings
+from palms.settings import RasterSettings, Settings
 
 __all__ = ["Batch", "Experiment", "Journal", "Subject", "run_batch", "trial_seed"]
 
 BATCH = 10  # ours: trials between two entries of the journal
 SERIES_M = 2.0  # ours: spacing of the curves that the report draws
+SAMPLE = 11  # ours: keys the random step of a trial, so that it shares no numbers with the filter
 
 Record = dict[str, Any]
 
@@ -81,13 +84,18 @@ class Subject:
             When a file is not what it should be, or the walk has no reference.
         """
         walk = case.walk()
-        if walk.reference_m is None:
-            raise InputError(
-                str(case.walk_path), expected="reference positions", got="none",
-                fix="add truth.csv or ARKit_PF, or take the walk out of the data set",
-            )  # fmt: skip
+        reference = _reference(case, walk)
         odometry = walk.odometry("ronin" if source == "ronin" else "arkit")
-        return cls(case.scene, case.name, case.plan(), case.scan(), odometry, walk.reference_m)
+        return cls(case.scene, case.name, case.plan(), case.scan(), odometry, reference)
+
+
+def _reference(case: Case, walk: RecordedWalk) -> FloatArray:
+    if walk.reference_m is None or np.isnan(walk.reference_m).any(axis=1).all():
+        raise InputError(
+            str(case.walk_path), expected="reference positions", got="none",
+            fix="add truth.csv or ARKit_PF, or take the walk out of the data set",
+        )  # fmt: skip
+    return walk.reference_m
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,12 +116,25 @@ class Experiment:
     ----------
     dataset : Path
     methods : sequence of str
+        Named twice counts once.
     trials : int
         For each method and walk.
     seed : int
     particles : int, optional
         The methods' own numbers when left out.
     walk_source : {"arkit", "ronin"}
+
+    Raises
+    ------
+    InputError
+        When there is no method.
+    SettingsError
+        When a method is unknown.
+
+    Examples
+    --------
+    >>> Experiment(Path("data"), ("paper", "uniform"), trials=10).settings("paper").method
+    'paper'
     """
 
     dataset: Path
@@ -123,14 +144,34 @@ class Experiment:
     particles: int | None = None
     walk_source: str = "arkit"
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "methods", tuple(dict.fromkeys(self.methods)))
+        if not self.methods:
+            raise InputError("methods", expected="at least one", got="none", fix="such as: paper")
+        for name in self.methods:
+            self.settings(name)  # an unknown method is said before the work
+
     def settings(self, method: str) -> Settings:
         """Return the settings of a method."""
         settings = Settings.for_method(method)
         return settings if self.particles is None else settings.with_particles(self.particles)
 
-    def opened(self) -> Dataset:
-        """Look up the walks."""
-        return open_dataset(self.dataset)
+    def cases(self) -> tuple[Case, ...]:
+        """Look up the walks, and whether each can be run: better now than after hours.
+
+        Raises
+        ------
+        InputError
+            When a walk has no reference, no scan or not the odometry that is asked for.
+        """
+        cases = open_dataset(self.dataset).cases
+        for case in cases:
+            walk = case.walk()
+            _reference(case, walk)
+            walk.odometry("ronin" if self.walk_source == "ronin" else "arkit")
+            if not case.scan_paths:
+                case.scan()  # says what is missing
+        return cases
 
     def batches(self, cases: Iterable[Case], done: set[tuple[Any, ...]]) -> list[Batch]:
         """Return what is still to be done, walk by walk."""
@@ -158,27 +199,54 @@ class Experiment:
             "methods": list(self.methods), "trials": self.trials, "seed": self.seed,
             "particles": self.particles, "walk_source": self.walk_source,
             "walks": [case.title for case in cases], "data_sha256": digest.hexdigest(),
+            "settings": {m: finite(asdict(self.settings(m))) for m in self.methods},
+            "versions": versions(),
         }  # fmt: skip
 
 
 def run_batch(subject: Subject, batch: Batch, experiment: Experiment) -> list[Record]:
     """Run some trials; return a record for each, fit for JSON."""
-    from dataclasses import replace
-
-    settings = replace(experiment.settings(batch.method), answer=AnswerSettings(hypotheses=0))
-    raster = rasterize(subject.plan, settings.raster)
+    settings = experiment.settings(batch.method)
+    settings = replace(settings, answer=replace(settings.answer, hypotheses=0))
+    raster = _raster(_Plan(subject.plan), settings.raster)
     seeds = [trial_seed(experiment.seed, batch.scene, batch.walk, t) for t in batch.trials]
     tracks = track_trials(raster, subject.scan, subject.odometry, settings, seeds)
     moves = subject.odometry.displacements_m
     records = []
     for trial, seed, track in zip(batch.trials, seeds, tracks, strict=True):
-        metrics = trial_metrics(Answers.of(track), subject.reference_m, moves, raster)
+        answers = Answers.of(track)
+        metrics = trial_metrics(answers, subject.reference_m, moves, raster)
+        stated = sample_step(answers, subject.reference_m, np.random.default_rng([seed, SAMPLE]))
         head = {
             "scene": batch.scene, "walk": batch.walk, "method": batch.method, "trial": trial,
             "seed": seed,
         }  # fmt: skip
-        records.append({**head, **metrics.to_json(), "series": series(track, subject)})
+        sampled = {
+            "sampled_p_within_1m": stated[0] if stated else None,
+            "sampled_within_1m": stated[1] if stated else None,
+        }
+        records.append({**head, **metrics.to_json(), **sampled, "series": series(track, subject)})
     return records
+
+
+class _Plan:
+    """A plan as a key: two of the same content are one."""
+
+    def __init__(self, plan: FloorPlan) -> None:
+        self.plan = plan
+        self.key = (plan.segments_m.tobytes(), plan.classes.tobytes())
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Plan) and self.key == other.key
+
+
+@lru_cache(maxsize=2)
+def _raster(plan: _Plan, settings: RasterSettings) -> PlanRaster:
+    """Return the raster of a plan; batches of one building share it, with its transform."""
+    return rasterize(plan.plan, settings)
 
 
 def series(track: Track, subject: Subject) -> dict[str, list[Any]]:
@@ -221,18 +289,20 @@ class Journal:
     """
 
     def __init__(self, folder: Path, identity: Mapping[str, Any]) -> None:
-        folder.mkdir(parents=True, exist_ok=True)
-        self.folder = folder
+        self.folder = make_folder(folder)
         self.path = folder / "trials.jsonl"
         known = folder / "experiment.json"
-        if known.exists() and read_json(known) != json.loads(json.dumps(identity)):
+        here = json.loads(json.dumps(identity))
+        there = read_json(known) if known.exists() else None
+        if there != here and (there is not None or self.path.exists()):
             raise InputError(
                 str(folder), expected="an empty folder or this experiment's",
-                got="another experiment's results", fix="choose another --out or remove it",
+                got=f"another experiment's results{_differing(here, there)}",
+                fix="choose another --out or remove it",
             )  # fmt: skip
-        if not known.exists():
-            write_json(known, dict(identity))
-        self.records = list(self._read())
+        if there is None:
+            write_json(known, here)
+        self.records = list({_key(record): record for record in self._read()}.values())
 
     def _read(self) -> Iterator[Record]:
         """Read what was finished; a last line cut short by a kill is dropped from the file."""
@@ -243,13 +313,21 @@ class Journal:
         if whole < len(content):
             with self.path.open("r+b") as file:
                 file.truncate(whole)
-        for line in content[:whole].splitlines():
-            yield json.loads(line)
+        for number, line in enumerate(content[:whole].splitlines(), 1):
+            try:
+                record = json.loads(line)
+                _key(record)
+            except (ValueError, KeyError, TypeError):
+                raise InputError(
+                    f"{self.path} line {number}", expected="a finished trial as JSON",
+                    got="something else", fix="remove the line; its trial is run again",
+                ) from None  # fmt: skip
+            yield record
 
     @property
     def done(self) -> set[tuple[Any, ...]]:
         """(scene, walk, method, trial) of what is finished."""
-        return {(r["scene"], r["walk"], r["method"], r["trial"]) for r in self.records}
+        return {_key(record) for record in self.records}
 
     def append(self, records: Sequence[Record]) -> None:
         """Add finished trials, on disk before this returns."""
@@ -270,22 +348,37 @@ class Journal:
         )
 
 
-def as_results(experiment: Experiment, records: Sequence[Record]) -> dict[str, Any]:
-    """Return the content of results.json, schema palms-bench/1."""
+def _key(record: Record) -> tuple[Any, ...]:
+    return record["scene"], record["walk"], record["method"], record["trial"]
+
+
+def _differing(here: Mapping[str, Any], there: object) -> str:
+    """Say which numbers two experiments do not share, where that can be said."""
+    if not isinstance(there, dict):
+        return ""
+    names = [name for name in here if there.get(name) != here[name]]
+    return f" (other {', '.join(names)})" if names else ""
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of what the numbers rest on."""
     from importlib.metadata import version
 
-    names = ("palms-localization", "numpy", "scipy", "numba")
-    trials = [{k: v for k, v in r.items() if k != "series"} for r in records]
+    return {name: version(name) for name in ("palms-localization", "numpy", "scipy", "numba")}
+
+
+def as_results(experiment: Experiment, records: Sequence[Record]) -> dict[str, Any]:
+    """Return the content of results.json, schema palms-bench/1."""
     return {
         "schema": "palms-bench/1",
-        "trials": trials,
+        "trials": [{k: v for k, v in r.items() if k != "series"} for r in records],
         "settings": {m: finite(asdict(experiment.settings(m))) for m in experiment.methods},
         "experiment": {
             "methods": list(experiment.methods), "trials": experiment.trials,
             "seed": experiment.seed, "particles": experiment.particles,
             "walk_source": experiment.walk_source,
         },
-        "versions": {name: version(name) for name in names},
+        "versions": versions(),
     }  # fmt: skip
 
 

@@ -8,7 +8,17 @@ from typing import Any
 
 from palms.evaluation.bootstrap import Interval, aggregate
 
-__all__ = ["HEADLINE", "LEGEND", "PAPER", "Column", "markdown_table", "table_rows"]
+__all__ = [
+    "HEADLINE",
+    "LEGEND",
+    "PAPER",
+    "Column",
+    "by_method",
+    "experiment_markdown",
+    "markdown_table",
+    "table_rows",
+    "units_of",
+]
 
 Rows = Sequence[Mapping[str, Any]]
 
@@ -79,14 +89,39 @@ def table_rows(trials: Rows, columns: Sequence[Column]) -> list[list[str]]:
     columns : sequence of Column
     """
     rows = [["method", "walks", *(column.heading for column in columns)]]
-    scenes = {t["scene"] for t in trials}
-    for method in dict.fromkeys(t["method"] for t in trials):
-        chosen = [t for t in trials if t["method"] == method]
-        walks = [(t["scene"], t["walk"]) for t in chosen]
-        units = walks if len(scenes) == 1 else [t["scene"] for t in chosen]
-        figures = aggregate(chosen, units)
-        rows.append([method, str(len(set(walks))), *(column.cell(figures) for column in columns)])
+    names = {column.figure.removesuffix(".n") for column in columns}
+    for method, chosen in by_method(trials).items():
+        figures = aggregate(chosen, units_of(chosen), names)
+        walks = {(t["scene"], t["walk"]) for t in chosen}
+        rows.append([method, str(len(walks)), *(column.cell(figures) for column in columns)])
     return rows
+
+
+def by_method(trials: Rows) -> dict[str, list[Mapping[str, Any]]]:
+    """Return the trials of each method, in the order they come.
+
+    Examples
+    --------
+    >>> list(by_method([{"method": "paper"}, {"method": "uniform"}, {"method": "paper"}]))
+    ['paper', 'uniform']
+    """
+    found: dict[str, list[Mapping[str, Any]]] = {}
+    for trial in trials:
+        found.setdefault(trial["method"], []).append(trial)
+    return found
+
+
+def units_of(trials: Rows) -> list[tuple[str, ...]]:
+    """Return what is resampled: the building of each trial, or its walk when there is only one.
+
+    Examples
+    --------
+    >>> units_of([{"scene": "E2", "walk": "w1"}, {"scene": "E2", "walk": "w2"}])
+    [('E2', 'w1'), ('E2', 'w2')]
+    """
+    if len({t["scene"] for t in trials}) > 1:
+        return [(t["scene"],) for t in trials]
+    return [(t["scene"], t["walk"]) for t in trials]
 
 
 def markdown_table(rows: Sequence[Sequence[str]]) -> str:

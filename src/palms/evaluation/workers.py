@@ -5,12 +5,16 @@ The records are the same whoever runs them; only their order of arrival differs.
 
 from __future__ import annotations
 
+import os
+import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from functools import lru_cache
 from itertools import islice
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context, parent_process
+from threading import Thread
+from typing import Any
 
 from palms.errors import InputError, PalmsError
 from palms.evaluation.experiment import (
@@ -26,6 +30,7 @@ from palms.io import Case
 __all__ = ["run_experiment"]
 
 AHEAD = 3  # batches handed out per worker: enough to keep it busy, few in flight
+GO_ON = "run the same command again: it goes on where it was"
 
 Loader = Callable[[Batch], Subject]
 Progress = Callable[[int], None]
@@ -60,7 +65,7 @@ def run_experiment(
     PalmsError
         When a worker died; what is in the journal stays.
     """
-    cases = {(case.scene, case.name): case for case in experiment.opened().cases}
+    cases = {(case.scene, case.name): case for case in experiment.cases()}
     batches = experiment.batches(cases.values(), journal.done)
     load = _loader(cases, experiment.walk_source)
     if cluster is not None:
@@ -87,24 +92,39 @@ def _in_processes(
     experiment: Experiment, batches: Sequence[Batch], load: Loader, jobs: int
 ) -> Iterator[list[Record]]:
     queue, waiting = iter(batches), set[Future[list[Record]]]()
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        try:
-            while True:
-                for batch in queue:
-                    waiting.add(pool.submit(run_batch, load(batch), batch, experiment))
-                    if len(waiting) >= AHEAD * jobs:
-                        break
-                if not waiting:
-                    return
-                done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-                for future in done:
-                    yield future.result()
-        except BrokenProcessPool:
-            raise PalmsError(
-                "a worker process died", fix="run the same command again: it goes on where it was"
-            ) from None
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
+    others, finished = set(active_children()), False
+    pool = ProcessPoolExecutor(jobs, get_context("spawn"), _start_worker)
+    try:
+        while True:
+            for batch in islice(queue, AHEAD * jobs - len(waiting)):
+                waiting.add(pool.submit(run_batch, load(batch), batch, experiment))
+            if not waiting:
+                finished = True
+                return
+            done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
+            for future in done:
+                yield future.result()
+    except BrokenProcessPool:
+        raise PalmsError("a worker process died", fix=GO_ON) from None
+    finally:
+        workers = set(active_children()) - others
+        pool.shutdown(wait=finished, cancel_futures=True)
+        if not finished:
+            for worker in workers:  # stopped or failed: nobody waits for what they do
+                worker.terminate()
+
+
+def _start_worker() -> None:
+    """Leave Ctrl-C to the parent, and end when it does, however it does."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_leave_with_parent, daemon=True).start()
+
+
+def _leave_with_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _on_cluster(
@@ -125,15 +145,31 @@ def _on_cluster(
             fix="start one with: dask scheduler",
         ) from None  # fmt: skip
     with client:
-        queue = iter(batches)
-        ahead = AHEAD * max(1, len(client.scheduler_info()["workers"]))
-        submit = _submitter(client, experiment, load)
-        running = as_completed([submit(batch) for batch in islice(queue, ahead)])
-        for future in running:
-            yield future.result()
-            following = next(queue, None)
-            if following is not None:
-                running.add(submit(following))
+        queue, submit = iter(batches), _submitter(client, experiment, load)
+        running, waiting = as_completed(), 0
+        while True:
+            ahead = AHEAD * max(1, sum(client.nthreads().values()))  # workers come and go
+            for batch in islice(queue, max(0, ahead - waiting)):
+                running.add(submit(batch))
+                waiting += 1
+            if not waiting:
+                return
+            yield _result(next(running))
+            waiting -= 1
+
+
+def _result(future: Any) -> list[Record]:  # noqa: ANN401 - distributed has no types
+    """Return what a task found; a cluster that gave up is said in one line."""
+    from distributed.client import FutureCancelledError
+    from distributed.scheduler import KilledWorker
+
+    try:
+        found: list[Record] = future.result()
+    except (FutureCancelledError, KilledWorker) as error:
+        raise PalmsError(
+            "the cluster lost a task", got=type(error).__name__, fix=GO_ON
+        ) from None  # fmt: skip
+    return found
 
 
 def _submitter(client, experiment: Experiment, load: Loader):  # type: ignore[no-untyped-def]  # noqa: ANN001, ANN202 - distributed has no types

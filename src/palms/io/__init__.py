@@ -40,6 +40,7 @@ from palms.io.registry import (
 )
 from palms.io.tracking import read_tracking, write_tracking
 from palms.io.truth import Truth, read_truth, write_truth
+from palms.io.tum import write_tum
 from palms.io.walk import RecordedWalk, WalkSource
 
 __all__ = [
@@ -76,4 +77,5 @@ __all__ = [
     "write_text",
     "write_tracking",
     "write_truth",
+    "write_tum",
 ]

@@ -1,56 +1,47 @@
-"""Pictures of a walk: figures, an animation, and a report that holds them.
+"""Pictures of plans, scans and walks: figures, an animation, a report.
 
-Each name is loaded when it is first used; matplotlib not before.
+All take values and return matplotlib figures or write files; nothing opens a window.
+
+Examples
+--------
+>>> from palms import FloorPlan
+>>> from palms.plot import image_bytes, plan_figure
+>>> image_bytes(plan_figure(FloorPlan([[[0, 0], [8, 0]], [[8, 0], [8, 5]]])))[1:4]
+b'PNG'
 """
 
-from __future__ import annotations
+from palms.plot.album import Picture, make_album, write_album
+from palms.plot.animation import animation_bytes, write_animation
+from palms.plot.candidates import candidates_figure
+from palms.plot.empty_space import empty_space_figure
+from palms.plot.output import image_bytes, write_bytes, write_figure
+from palms.plot.pipeline import pipeline_figure
+from palms.plot.plans import plan_figure
+from palms.plot.recorder import Recorder, Snapshot
+from palms.plot.report import Details, report_html, write_report
+from palms.plot.stages import stages_figure
+from palms.plot.story import Story
+from palms.plot.tracks import track_figure
 
-import importlib
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from palms.plot.animation import write_animation as write_animation
-    from palms.plot.empty_space import empty_space_figure as empty_space_figure
-    from palms.plot.gallery import Picture as Picture
-    from palms.plot.gallery import draw_gallery as draw_gallery
-    from palms.plot.output import image_bytes as image_bytes
-    from palms.plot.output import write_figure as write_figure
-    from palms.plot.path import track_figure as track_figure
-    from palms.plot.pipeline import pipeline_figure as pipeline_figure
-    from palms.plot.places import places_figure as places_figure
-    from palms.plot.plans import plan_figure as plan_figure
-    from palms.plot.recorder import Recorder as Recorder
-    from palms.plot.report import write_report as write_report
-    from palms.plot.stages import moments_figure as moments_figure
-    from palms.plot.stages import stages_figure as stages_figure
-    from palms.plot.story import Story as Story
-
-_HOMES = {
-    "Picture": "gallery",
-    "Recorder": "recorder",
-    "Story": "story",
-    "draw_gallery": "gallery",
-    "empty_space_figure": "empty_space",
-    "image_bytes": "output",
-    "moments_figure": "stages",
-    "pipeline_figure": "pipeline",
-    "places_figure": "places",
-    "plan_figure": "plans",
-    "stages_figure": "stages",
-    "track_figure": "path",
-    "write_animation": "animation",
-    "write_figure": "output",
-    "write_report": "report",
-}
-
-__all__ = sorted(_HOMES)  # noqa: PLE0605
-
-
-def __getattr__(name: str) -> Any:  # noqa: ANN401
-    if name in _HOMES:
-        return getattr(importlib.import_module(f"palms.plot.{_HOMES[name]}"), name)
-    raise AttributeError(f"module 'palms.plot' has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return list(__all__)
+__all__ = [
+    "Details",
+    "Picture",
+    "Recorder",
+    "Snapshot",
+    "Story",
+    "animation_bytes",
+    "candidates_figure",
+    "empty_space_figure",
+    "image_bytes",
+    "make_album",
+    "pipeline_figure",
+    "plan_figure",
+    "report_html",
+    "stages_figure",
+    "track_figure",
+    "write_album",
+    "write_animation",
+    "write_bytes",
+    "write_figure",
+    "write_report",
+]

@@ -1,150 +1,242 @@
-"""The paper's Fig. 2: certainly empty space, where no wall of the plan can stand."""
+"""The paper's Fig. 2: certainly empty space at a right place and at a wrong one."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
-import shapely
+import numpy.typing as npt
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
+from matplotlib.patches import Patch, Polygon
 
-from palms.errors import InputError
+from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray, rotate
-from palms.grid import Grid
-from palms.heatmap import Heatmaps, correlate, match
+from palms.heatmap import Heatmaps, correlate
 from palms.plot.pipeline import draw_scan
-from palms.plot.plans import draw_plan
-from palms.plot.story import Story
-from palms.plot.style import EMPTY, INK, SCAN, WALL, degrees, frame_map, new_figure, say, styled
-from palms.template import certainly_empty, empty_triangles
+from palms.plot.plans import draw_plan, plan_legend
+from palms.plot.style import (
+    EMPTY,
+    INK,
+    INTRUDER,
+    SCAN,
+    degrees,
+    frame_map,
+    new_figure,
+    styled,
+    truth_entry,
+    truth_mark,
+)
+from palms.template import empty_triangles
 
-__all__ = ["empty_space_figure"]
+__all__ = ["Match", "empty_space_figure", "length_m", "right_match", "walls_inside", "wrong_match"]
 
-INTRUDER: Final = "#d7191c"  # plan walls that stand where none can be
-_FAR_M = 10.0  # the place that does not match is so far from the one that does
-_INTRUDING_M = 1.5  # and has so many metres of wall in the empty space
+_INTRUDING_M: Final = 1.5  # a wrong place has at least so much wall in its empty space
+_AWAY_M: Final = 5.0  # and is at least so far from the right one
+_DRIFTS: Final = 8  # at most so many drifts are searched for a wrong place
+
+
+class Match(NamedTuple):
+    """A scan laid on a plan.
+
+    Attributes
+    ----------
+    position_m : (2,)
+        Where its observation point lies, map frame.
+    drift_rad : float
+        The drift that it is turned by.
+    """
+
+    position_m: FloatArray
+    drift_rad: float
 
 
 @styled
-def empty_space_figure(story: Story) -> Figure:
-    """Draw the scan's certainly empty space, a place that respects it, and one that does not.
+def empty_space_figure(heatmaps: Heatmaps, truth_m: npt.ArrayLike | None = None) -> Figure:
+    """Draw the certainly empty space of a scan where it is empty and where it is not.
 
     Parameters
     ----------
-    story : Story
-        With scan and candidates.
+    heatmaps : Heatmaps
+    truth_m : array_like (2,), optional
+        Where the scan was truly taken, map frame; else the best match stands for it.
 
     Returns
     -------
     matplotlib Figure
 
-    Raises
-    ------
-    InputError
-        When the story has no scan or no candidates.
-
     Examples
     --------
-    >>> from palms import FloorPlan, Odometry, Scan, locate, rasterize, track
-    >>> from palms.plot.recorder import Recorder
+    >>> from palms import FloorPlan, Scan, rasterize
+    >>> from palms.heatmap import match
     >>> room = np.array([[[0, 0], [6, 0]], [[6, 0], [6, 4]], [[6, 4], [0, 4]], [[0, 4], [0, 0]]])
-    >>> raster, scan = rasterize(FloorPlan(room)), Scan(room - (2.0, 1.0))
-    >>> walk, recorder = Odometry([1, 2], [[0.5, 0], [1, 0]]), Recorder()
-    >>> answers = track(raster, scan, walk, watch=recorder)
-    >>> story = Story(raster, walk, answers, recorder, scan, locate(raster, scan))
-    >>> figure = empty_space_figure(story)
+    >>> heatmaps = match(Scan(room - (2.0, 1.0)), rasterize(FloorPlan(room)), [0.0])
+    >>> figure = empty_space_figure(heatmaps, [2.0, 1.0])
     >>> figure.axes[1].get_title(loc="left")
-    '2  Best match: no wall of the plan in the empty space'
+    '2  The right place: 0.0 m of wall inside'
     """
-    heatmaps = story.heatmaps
-    if heatmaps is None:
-        raise InputError("story", expected="a scan and its candidates", got="none")
-    k = max(range(len(heatmaps)), key=lambda i: float(heatmaps.scores(i).max()))
-    drift = float(heatmaps.drifts_rad[k])
-    walls = rotate(heatmaps.scan.relative_m, drift)
-    window = max(2.5, 1.1 * float(np.abs(walls).max()))
-    figure = new_figure(13.0, 5.0)
-    left, middle, right = figure.subplots(1, 3)
-    best = heatmaps.grid.position_of(heatmaps.best_cell(k))
-    worst = _contradicted_place(heatmaps, k, best)
-    for axes, place in ((left, np.zeros(2)), (middle, best), (right, worst)):
-        if place is not None:
-            frame_map(axes, place - window, place + window)
-    _draw_match(left, heatmaps, walls, np.zeros(2), with_plan=False)
-    left.set_title(f"1  Scan turned by {degrees(drift)}, and its empty space")
-    inside_m = _draw_match(middle, heatmaps, walls, best)
-    middle.set_title(f"2  Best match: {_metres(inside_m)} in the empty space")
-    if worst is None:
-        say(right, "No other place\nfits the walls and\nbreaks the empty space.")
-        right.set_title("3  No match")
-    else:
-        inside_m = _draw_match(right, heatmaps, walls, worst)
-        right.set_title(f"3  No match: {_metres(inside_m)} in it")
-    figure.legend(handles=_legend(), loc="outside lower center", ncols=5)
+    truth = None if truth_m is None else np.asarray(truth_m, dtype=np.float64)
+    right = right_match(heatmaps, truth)
+    wrong = wrong_match(heatmaps, right.position_m)
+    plan, reach = heatmaps.raster.plan, _reach_m(heatmaps)
+    figure = new_figure(13.0, 4.9)
+    first, second, third = figure.subplots(1, 3)
+    frame_map(first, (-reach, -reach), (reach, reach))
+    _draw_match(first, heatmaps, Match(np.zeros(2), right.drift_rad), None)
+    first.set_title(f"1  The scan, turned by {degrees(right.drift_rad)}")
+    named = "The right place" if truth is not None else "The best match"
+    for axes, found, word in ((second, right, f"2  {named}"), (third, wrong, "3  A wrong place")):
+        if found is None:
+            _say(axes, "No wrong place of this plan\nhas walls like these.")
+            continue
+        frame_map(axes, found.position_m - reach, found.position_m + reach)
+        inside_m = _draw_match(axes, heatmaps, found, plan)
+        axes.set_title(f"{word}: {inside_m:.1f} m of wall inside")
+        if truth is not None:
+            truth_mark(axes, *truth)
+    entries = [*_entries(), *([truth_entry()] if truth is not None else []), *plan_legend(plan)]
+    figure.legend(handles=entries, loc="outside lower center", ncols=len(entries))
     return figure
 
 
-def _metres(inside_m: float) -> str:
-    return f"{inside_m:.1f} m of wall" if inside_m >= 0.05 else "no wall of the plan"
+def right_match(heatmaps: Heatmaps, truth_m: FloatArray | None = None) -> Match:
+    """Return the best match of all, or the best within half a metre of a true place.
+
+    Parameters
+    ----------
+    heatmaps : Heatmaps
+    truth_m : (2,), optional
+        Map frame.
+    """
+    near = _distances_m(heatmaps, truth_m) <= 0.5 if truth_m is not None else None
+    near = near if near is not None and near.any() else None
+    best, found = -np.inf, Match(np.zeros(2), 0.0)
+    for k, scores in enumerate(heatmaps):
+        allowed = scores if near is None else np.where(near, scores, -np.inf)
+        top = int(allowed.argmax())
+        if allowed.flat[top] > best:
+            best = float(allowed.flat[top])
+            place = heatmaps.grid.position_of(np.unravel_index(top, scores.shape))
+            found = Match(place, float(heatmaps.drifts_rad[k]))
+    return found
 
 
-def _legend() -> list[Line2D | Patch]:
+def wrong_match(heatmaps: Heatmaps, right_m: FloatArray) -> Match | None:
+    """Return where the walls fit best although walls stand in the certainly empty space.
+
+    Parameters
+    ----------
+    heatmaps : Heatmaps
+    right_m : (2,)
+        The right place; the wrong one is at least 5 m away.
+
+    Returns
+    -------
+    Match or None
+        None when no place is wrong in this way.
+    """
+    plain = replace(heatmaps.settings, empty_weight=0.0, floor_at_zero=False)
+    only_walls = replace(heatmaps, settings=plain)
+    far = (_distances_m(heatmaps, right_m) >= _AWAY_M) & heatmaps.raster.inside
+    best, found = -np.inf, None
+    for k in range(0, len(heatmaps), -(-len(heatmaps) // _DRIFTS)):
+        fits = only_walls.scores(k)
+        score = np.where(far & (_intruding_m(heatmaps, k) >= _INTRUDING_M), fits, -np.inf)
+        top = int(score.argmax())
+        if score.flat[top] > best:
+            best = float(score.flat[top])
+            place = heatmaps.grid.position_of(np.unravel_index(top, score.shape))
+            found = Match(place, float(heatmaps.drifts_rad[k]))
+    return found
+
+
+def _intruding_m(heatmaps: Heatmaps, k: int) -> npt.NDArray[np.float32]:
+    """Metres of wall (R, C) inside the empty space of drift k, by its anchor's cell."""
+    walls_only = replace(heatmaps.settings, empty_weight=0.0)
+    with_empty = replace(heatmaps.settings, empty_weight=1.0)
+    wanted = replace(heatmaps, settings=walls_only).template(k)
+    both = replace(heatmaps, settings=with_empty).template(k)
+    empty = replace(wanted, values=wanted.values - both.values)
+    return correlate(heatmaps.raster, empty) * np.float32(heatmaps.grid.cell_size_m)
+
+
+def _distances_m(heatmaps: Heatmaps, point_m: FloatArray) -> FloatArray:
+    """Distance (R, C) of every cell from a point."""
+    rows, columns = heatmaps.grid.shape
+    x, y = heatmaps.grid.origin_m - point_m
+    cell = heatmaps.grid.cell_size_m
+    along = (np.arange(columns) + 0.5) * cell + x
+    return np.asarray(np.hypot(along, ((np.arange(rows) + 0.5) * cell + y)[:, None]))
+
+
+def _reach_m(heatmaps: Heatmaps) -> float:
+    return 1.1 * float(np.linalg.norm(heatmaps.scan.relative_m, axis=-1).max()) + 0.5
+
+
+def _draw_match(axes: Axes, heatmaps: Heatmaps, match: Match, plan: FloorPlan | None) -> float:
+    """Draw a scan laid on a place; return the metres of plan wall in its empty space."""
+    walls = rotate(heatmaps.scan.relative_m, match.drift_rad)
+    triangles = empty_triangles(walls, heatmaps.settings.empty_shrink) + match.position_m
+    for triangle in triangles:
+        axes.add_patch(
+            Polygon(triangle, facecolor="#f6cf7e", edgecolor=EMPTY, linewidth=0.8, zorder=1)
+        )
+    draw_scan(axes, walls + match.position_m)
+    axes.plot(*match.position_m, marker="o", markersize=6, color=INK, zorder=7, linestyle="none")
+    if plan is None:
+        return 0.0
+    draw_plan(axes, plan, 0.9)
+    inside = walls_inside(heatmaps, match)
+    axes.add_collection(
+        LineCollection(
+            inside, colors=INTRUDER, linewidths=5.0, capstyle="butt", zorder=6, gid="intruder"
+        ),
+        autolim=False,
+    )
+    return length_m(inside)
+
+
+def walls_inside(heatmaps: Heatmaps, match: Match) -> list[FloatArray]:
+    """Return the parts (n, 2) of the plan's walls that lie inside the certainly empty space.
+
+    Parameters
+    ----------
+    heatmaps : Heatmaps
+    match : Match
+    """
+    import shapely
+
+    walls = rotate(heatmaps.scan.relative_m, match.drift_rad)
+    triangles = empty_triangles(walls, heatmaps.settings.empty_shrink) + match.position_m
+    space = shapely.union_all(shapely.make_valid([shapely.Polygon(each) for each in triangles]))
+    lines = shapely.linestrings(heatmaps.raster.plan.blocking_m)
+    parts = shapely.get_parts(shapely.intersection(lines, space))
+    return [shapely.get_coordinates(part) for part in parts if part.length > 0]
+
+
+def length_m(lines: list[FloatArray]) -> float:
+    """Return the summed length of lines (n, 2) in metres.
+
+    Examples
+    --------
+    >>> length_m([np.array([[0.0, 0.0], [3.0, 4.0]])])
+    5.0
+    """
+    return float(sum(np.linalg.norm(np.diff(line, axis=0), axis=1).sum() for line in lines))
+
+
+def _entries() -> list[Line2D | Patch]:
     return [
-        Line2D([], [], color=WALL, linewidth=1.5, label="wall of the plan"),
-        Line2D([], [], color=SCAN, linewidth=2.6, label="wall that the scan saw"),
-        Patch(facecolor=EMPTY, alpha=0.45, label="certainly empty space"),
-        Line2D([], [], color=INTRUDER, linewidth=4.5, label="plan wall inside it"),
         Line2D([], [], color=INK, marker="o", linestyle="none", label="observation point"),
+        Line2D([], [], color=SCAN, linewidth=2.6, label="seen by the scan"),
+        Patch(facecolor="#f6cf7e", edgecolor=EMPTY, label="certainly empty space"),
+        Line2D([], [], color=INTRUDER, linewidth=5.0, label="wall inside it"),
     ]
 
 
-def _draw_match(
-    axes: Axes, heatmaps: Heatmaps, walls: FloatArray, place: FloatArray, with_plan: bool = True
-) -> float:
-    """Draw a scan laid on a place; return the metres of plan wall in its empty space."""
-    triangles = empty_triangles(walls, heatmaps.settings.empty_shrink) + place
-    space = shapely.union_all([shapely.Polygon(each) for each in triangles])
-    rings = [np.asarray(part.exterior.coords) for part in shapely.get_parts(space)]
-    axes.add_collection(
-        PolyCollection(rings, facecolors=EMPTY, alpha=0.45, linewidths=0, gid="empty-space"),
-        autolim=False,
-    )
-    inside_m = 0.0
-    if with_plan:
-        plan = heatmaps.raster.plan
-        draw_plan(axes, plan, 0.9)
-        cut = shapely.intersection(shapely.linestrings(plan.blocking_m), space)
-        inside_m = float(shapely.length(cut).sum())
-        lines = [np.asarray(each.coords) for each in shapely.get_parts(cut) if each.length > 0]
-        axes.add_collection(
-            LineCollection(lines, colors=INTRUDER, linewidths=4.5, zorder=7, gid="intruders"),
-            autolim=False,
-        )
-    draw_scan(axes, walls + place)
-    axes.plot(*place, marker="o", markersize=6, color=INK, zorder=8)
-    return inside_m
-
-
-def _contradicted_place(heatmaps: Heatmaps, k: int, best_m: FloatArray) -> FloatArray | None:
-    """Far from the best place, where the walls fit best although walls stand in the empty space."""
-    settings = replace(heatmaps.settings, empty_weight=0.0)
-    fits = match(heatmaps.scan, heatmaps.raster, heatmaps.drifts_rad[k : k + 1], settings)
-    template = fits.template(0)
-    cell = heatmaps.grid.cell_size_m
-    corner = -(np.array(template.anchor[::-1]) + 0.5) * cell
-    walls = rotate(heatmaps.scan.relative_m, template.drift_rad)
-    empty = certainly_empty(walls, Grid(corner, cell, template.values.shape), settings)
-    intruding_m = cell * correlate(heatmaps.raster, replace(template, values=empty))
-    rows, columns = np.ogrid[: heatmaps.grid.shape[0], : heatmaps.grid.shape[1]]
-    row, column = heatmaps.grid.cell_of(best_m)
-    far = np.hypot(rows - row, columns - column) * cell > _FAR_M
-    allowed = (intruding_m > _INTRUDING_M) & far
-    if not allowed.any():
-        return None
-    score = np.where(allowed, fits.scores(0), -np.inf)
-    return heatmaps.grid.position_of(np.unravel_index(int(score.argmax()), score.shape))
+def _say(axes: Axes, words: str) -> None:
+    axes.set_axis_off()
+    axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center")

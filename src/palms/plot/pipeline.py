@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpecFromSubplotSpec
 from matplotlib.image import AxesImage
 from matplotlib.patches import Circle
+from matplotlib.transforms import ScaledTranslation
 
 from palms.errors import InputError
 from palms.geometry import FloatArray
@@ -245,9 +246,12 @@ def _map_limits(low: FloatArray, high: FloatArray) -> tuple[tuple[float, float],
 def _frame(axes: Axes, style: GroupStyle) -> None:
     """Frame axes in a group's colour, with its marker in the upper right corner."""
     axes.spines[:].set(visible=True, color=style.colour, linewidth=3.0)
+    figure = axes.get_figure(root=True)
+    assert figure is not None
+    above = ScaledTranslation(-5 / 72, 9 / 72, figure.dpi_scale_trans)
     axes.plot(
-        [0.985], [1.07], marker=style.marker, markersize=7, color=style.colour,
-        transform=axes.transAxes, clip_on=False, gid="group",
+        [1.0], [1.0], marker=style.marker, markersize=7, color=style.colour,
+        transform=axes.transAxes + above, clip_on=False, gid="group",
     )  # fmt: skip
 
 
@@ -286,9 +290,9 @@ def _particles_panel(
     entries = group_entries(np.unique(group))
     for k, entry in zip(np.unique(group), entries, strict=True):
         mine = drift[group == k]
-        about = "" if by_label else "about "
         share = f"{100 * len(mine) / len(group):.0f} %"
-        entry.set_label(f"drift {about}{degrees(float(np.median(mine)))}: {share}")
+        named = degrees(float(mine[0])) if by_label else f"around {degrees(k * np.pi / 2)}"
+        entry.set_label(f"drift {named}: {share}")
     if truth is not None:
         truth_mark(axes, *truth)
         entries.append(truth_entry())

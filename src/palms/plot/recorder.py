@@ -62,8 +62,6 @@ class Recorder:
     ----------
     frames : list of Snapshot
         Every `every`-th step, from the first one on.
-    by_label : bool
-        Whether a style stands for a label; else for drifts near each other.
 
     Examples
     --------
@@ -80,7 +78,7 @@ class Recorder:
         self.every = max(1, every)
         self.n_particles = max(1, n_particles)
         self.frames: list[Snapshot] = []
-        self.by_label, self._any_drift = True, False
+        self._by_label, self._any_drift = True, False
         self._step = 0
         self._kept: dict[str, Snapshot] = {}
         self._last: tuple[Estimate, Particles] | None = None
@@ -89,7 +87,7 @@ class Recorder:
         """Take what happened in one move; nothing is changed."""
         particles = belief.particles
         if self._step == 0:
-            self.by_label = int(particles.label.max()) < len(GROUPS)
+            self._by_label = int(particles.label.max()) < len(GROUPS)
             self._any_drift = (
                 not particles.label.any() and float(np.ptp(particles.drift_rad)) > np.pi
             )
@@ -119,12 +117,6 @@ class Recorder:
             return None if self._last is None else self._snapshot(*self._last)
         return self._kept.get(name)
 
-    def nearest(self, time_s: float) -> Snapshot | None:
-        """Return the kept snapshot nearest to a time; None when nothing was watched."""
-        last = self.moment("end")
-        kept = [*self.frames, *self._kept.values(), *([] if last is None else [last])]
-        return min(kept, key=lambda each: abs(each.time_s - time_s), default=None)
-
     def _begins(self, name: str, stage: Stage) -> bool:
         reached = {
             "start": True,
@@ -135,7 +127,7 @@ class Recorder:
 
     def _snapshot(self, estimate: Estimate, particles: Particles) -> Snapshot:
         chosen = by_weight(particles.weight, self.n_particles)
-        group = groups_of(particles.label[chosen], particles.drift_rad[chosen], self.by_label)
+        group = groups_of(particles.label[chosen], particles.drift_rad[chosen], self._by_label)
         if self._any_drift:
             group[:] = len(GROUPS)
         return Snapshot(estimate, particles.position_m[chosen].astype(np.float32), group)

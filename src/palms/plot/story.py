@@ -8,7 +8,6 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from palms.belief import Stage
 from palms.errors import InputError
 from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray, as_readonly
@@ -99,21 +98,6 @@ class Story:
     def error_m(self) -> FloatArray | None:
         """Distance (T,) from answer to truth; None without a truth."""
         return None if self.truth_m is None else errors_m(self.track, self.truth_m)
-
-    @property
-    def has_labels(self) -> bool:
-        """Whether particles are told apart by their drift; else every drift is possible."""
-        return self.settings.convergence.step1 == "label"
-
-    @property
-    def first_steps(self) -> dict[str, int | None]:
-        """Steps of t1 (oriented) and t2 (localized); None for what never came."""
-        stages = [estimate.stage for estimate in self.track]
-        known = (Stage.ORIENTED, Stage.LOCALIZED)
-        return {
-            "t1": next((i for i, stage in enumerate(stages) if stage in known), None),
-            "t2": next((i for i, stage in enumerate(stages) if stage == Stage.LOCALIZED), None),
-        }
 
     def step_at(self, time_s: float) -> int:
         """Index of the odometry's sample at a time, the last one not later."""

@@ -47,7 +47,6 @@ __all__ = [
     "legend_line",
     "lightness",
     "new_figure",
-    "say",
     "styled",
     "truth_entry",
     "truth_mark",
@@ -141,7 +140,7 @@ def styled(make: Callable[P, T]) -> Callable[P, T]:
 
     @functools.wraps(make)
     def inner(*args: P.args, **kwargs: P.kwargs) -> T:
-        with mpl.rc_context(_RC):  # type: ignore[arg-type]
+        with mpl.rc_context(_RC):
             return make(*args, **kwargs)
 
     return inner
@@ -302,7 +301,6 @@ _HALO_WIDE = (patheffects.withStroke(linewidth=4.6, foreground="white"),)
 def frame_map(
     axes: Axes, low_m: Sequence[float] | npt.NDArray[np.floating],
     high_m: Sequence[float] | npt.NDArray[np.floating],
-    ink: str = INK,
 ) -> None:  # fmt: skip
     """Make axes a map of a box: no ticks, the same scale both ways, a scale bar below.
 
@@ -311,8 +309,6 @@ def frame_map(
     axes : Axes
     low_m, high_m : (2,)
         Corners of what the map shows.
-    ink : str
-        Colour of the scale bar.
     """
     (x0, y0), (x1, y1) = (tuple(float(v) for v in corner) for corner in (low_m, high_m))
     width, height = max(x1 - x0, 1e-6), max(y1 - y0, 1e-6)
@@ -323,10 +319,10 @@ def frame_map(
     axes.set_xticks([])
     axes.set_yticks([])
     axes.spines[:].set_visible(False)
-    add_scale_bar(axes, ink)
+    add_scale_bar(axes)
 
 
-def add_scale_bar(axes: Axes, ink: str = INK) -> None:
+def add_scale_bar(axes: Axes) -> None:
     """Draw a scale bar of 1, 2 or 5 times a power of ten metres at the lower left."""
     (x0, x1), (y0, y1) = axes.get_xlim(), axes.get_ylim()
     length = _round_length(_BAR_SHARE * (x1 - x0))
@@ -336,23 +332,14 @@ def add_scale_bar(axes: Axes, ink: str = INK) -> None:
     axes.plot(
         [x, x, x, x + length, x + length, x + length],
         [y + tick, y - tick, y, y, y - tick, y + tick],
-        color=ink, linewidth=1.2, solid_joinstyle="miter", zorder=10, gid="scale-bar",
+        color=INK, linewidth=1.2, solid_joinstyle="miter", zorder=10, gid="scale-bar",
     )  # fmt: skip
     axes.text(
         x + length + 0.012 * size, y, f"{length:g} m", fontsize=8, va="center", ha="left",
-        zorder=10, color=ink, path_effects=_HALO if ink == INK else [],
+        zorder=10, path_effects=_HALO,
     )  # fmt: skip
 
 
 def _round_length(longest_m: float) -> float:
     power = 10.0 ** math.floor(math.log10(longest_m))
     return max(factor * power for factor in (1, 2, 5) if factor * power <= longest_m * (1 + 1e-9))
-
-
-def say(axes: Axes, text: str) -> None:
-    """Say in words, in the middle of axes, what they cannot show."""
-    axes.set_axis_off()
-    axes.text(
-        0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center", fontsize=10,
-        color=INK, linespacing=1.5, zorder=10, path_effects=_HALO_WIDE, gid="in-words",
-    )  # fmt: skip

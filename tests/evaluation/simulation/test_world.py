@@ -2,7 +2,8 @@ import numpy as np
 import shapely
 
 from palms.evaluation.simulation import WorldNoise, make_world
-from palms.floorplan import SegmentClass
+from palms.evaluation.simulation.world import inside_of
+from palms.floorplan import FloorPlan, SegmentClass
 
 
 def test_without_noise_the_world_is_the_plan(plan):
@@ -58,3 +59,13 @@ def test_same_seed_same_world(plan, world):
     np.testing.assert_array_equal(again.seen_m, world.seen_m)
     other = make_world(plan, WorldNoise(), np.random.default_rng(2))
     assert other.seen_m.shape != world.seen_m.shape or not np.allclose(other.seen_m, world.seen_m)
+
+
+def test_without_rooms_the_inside_is_what_walls_enclose():
+    corners = np.array([[0, 0], [30, 0], [30, 8], [10, 8], [10, 30], [0, 30]], float)
+    ell = np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
+    ell[0] = [[1.5, 0.0], [30.0, 0.0]]  # a way in
+    inside = inside_of(FloorPlan(ell))
+    assert abs(inside.area - shapely.Polygon(corners).area) < 6
+    assert not shapely.contains_xy(inside, 20.0, 20.0)
+    assert shapely.contains_xy(inside, 5.0, 20.0)

@@ -19,6 +19,7 @@ __all__ = ["World", "faces_of", "inside_of", "make_world", "solid_walls"]
 
 _SAME_LINE_M, _SAME_LINE_RAD = 0.03, 0.01  # ours: pieces of one wall line
 _CLOSING_M = 0.08  # ours: closes the joints that shifted walls leave, at most 10 cm wide
+_DOORWAY_M = 1.0  # ours: half the widest gap in a wall that is taken for a doorway
 _MISSING_M = (1.0, 7.0)  # simulation: lengths of partitions that builders leave out
 
 
@@ -112,7 +113,10 @@ def make_world(plan: FloorPlan, noise: WorldNoise, rng: np.random.Generator) -> 
 
 
 def inside_of(plan: FloorPlan) -> Any:  # noqa: ANN401
-    """Return the inside of a building as a shapely area: its rooms, else outline, else hull.
+    """Return the inside of a building as a shapely area.
+
+    Its rooms; else its outline; else what the walls enclose once doors are closed; else, for
+    walls that enclose little, their hull.
 
     Examples
     --------
@@ -127,9 +131,21 @@ def inside_of(plan: FloorPlan) -> Any:  # noqa: ANN401
     elif plan.outline_m is not None:
         area = shapely.Polygon(plan.outline_m)
     else:
-        area = shapely.convex_hull(shapely.MultiPoint(plan.segments_m.reshape(-1, 2)))
+        area = _enclosed(plan.segments_m)
     shapely.prepare(area)
     return area
+
+
+def _enclosed(segments: FloatArray) -> Any:  # noqa: ANN401
+    """Return what walls enclose, gaps closed that are no wider than a double door."""
+    import shapely
+
+    grown = shapely.union_all(shapely.buffer(shapely.linestrings(segments), _DOORWAY_M))
+    parts = shapely.get_parts(grown)
+    filled = shapely.union_all([shapely.Polygon(part.exterior) for part in parts])
+    area = filled.buffer(0.01 - _DOORWAY_M, join_style="mitre")
+    hull = shapely.convex_hull(shapely.MultiPoint(segments.reshape(-1, 2)))
+    return area if area.area > hull.area / 3 else hull
 
 
 def _normals(segments: FloatArray) -> FloatArray:
