@@ -7,7 +7,7 @@ import importlib
 import sys
 from pathlib import Path
 
-from benchmarks.harness import Result, machine, measure, table, write
+from benchmarks.harness import Result, machine_words, measure, table, write
 from benchmarks.page import put
 
 FILES = ("raster", "heatmaps", "filter", "convergence", "walk", "command")
@@ -29,8 +29,7 @@ def main() -> None:
     if arguments.json:
         write(results, arguments.json)
     if arguments.results:
-        words = ", ".join(f"{name} {value}" for name, value in machine().items())
-        put("speed", f"{text}\n\n{words}", arguments.results)
+        put("speed", f"{text}\n\n{machine_words()}", arguments.results)
 
 
 if __name__ == "__main__":

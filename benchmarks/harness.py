@@ -100,6 +100,11 @@ def machine() -> dict[str, str]:
     return {"cpu": cpu, "python": platform.python_version(), **packages}
 
 
+def machine_words() -> str:
+    """The same in a line."""
+    return ", ".join(f"{name} {value}" for name, value in machine().items())
+
+
 def write(results: list[Result], path: Path) -> None:
     """Write the results as JSON."""
     rows = [r.__dict__ | {"met": r.verdict} for r in results]

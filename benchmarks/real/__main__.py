@@ -11,6 +11,7 @@ from typing import Any
 from rich.console import Console
 from rich.progress import Progress
 
+from benchmarks.harness import machine_words
 from benchmarks.page import put
 from benchmarks.real.cases import Key, load_case, write_as_dataset
 from benchmarks.real.plans import GRADES, SUITES, cache_folder
@@ -82,7 +83,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     title = f"Radish, {plan.purpose} starts at least 10 m apart by {plan.apart}, {plan.seeds} seeds"
     write_text(options.out / "table.md", markdown(trials, title))
     if options.results:
-        put("radish", f"{title}.\n\n{digest(trials)}", options.results)
+        put("radish", f"{title}; {machine_words()}.\n\n{digest(trials)}", options.results)
     print(options.out / "table.md")
     return 0
 

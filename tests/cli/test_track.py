@@ -171,14 +171,19 @@ def test_pictures_into_a_new_folder(palms, world, tmp_path):
     result = palms("track", world.plan, world.scan, world.walk, "--out", out)
     assert result.exit_code == 0, result.output
     written = sorted(path.name for path in out.iterdir())
-    assert "pipeline.png" in written
+    assert {"report.html", "walk.gif", "track.png", "stages.png", "plan.png", "pipeline.png",
+            "empty-space.png"} <= set(written)  # fmt: skip
+    assert f"Report: {out / 'report.html'}" in result.stdout
     assert all(name in result.stdout for name in written)
 
 
 def test_pictures_without_a_scan(palms, world, tmp_path):
     arguments = (world.plan, world.scan, world.walk, "--method", "uniform")
-    assert palms("track", *arguments, "--out", tmp_path).exit_code == 0
-    assert any(tmp_path.iterdir())
+    result = palms("track", *arguments, "--out", tmp_path)
+    assert result.exit_code == 0, result.output
+    written = {path.name for path in tmp_path.iterdir()}
+    assert {"report.html", "walk.gif", "track.png"} <= written
+    assert "pipeline.png" not in written
 
 
 def test_pictures_show_the_track_of_the_json(palms, world):

@@ -18,7 +18,7 @@ def album(story):
 
 @pytest.fixture(scope="module")
 def page(story, album):
-    details = Details("A <walk>", "palms track a & b", {"palms": "0.1"}, {"Weather": "<fine>"})
+    details = Details("A <walk>", (), "palms track a & b", {"palms": "0.1"}, {"Weather": "<fine>"})
     return report_html(story, details, album)
 
 
@@ -91,7 +91,7 @@ def test_it_is_readable_in_the_dark(page):
 def test_a_walk_that_never_was_localized(blind):
     page = report_html(blind)
     assert "Not localized" in page
-    assert page.count("<td>never</td>") == 2
+    assert page.count('<td class="short">never</td>') == 2
     assert "off by" in page
 
 
@@ -112,9 +112,22 @@ def test_files_are_written(tmp_path, story, album):
 
 
 def test_the_same_story_gives_the_same_page(story, page, album):
-    details = Details("A <walk>", "palms track a & b", {"palms": "0.1"}, {"Weather": "<fine>"})
+    details = Details("A <walk>", (), "palms track a & b", {"palms": "0.1"}, {"Weather": "<fine>"})
     assert report_html(story, details) == page
 
 
 def test_versions():
     assert set(installed_versions()) >= {"Python", "numpy", "matplotlib"}
+
+
+def test_a_summary_comes_first(story, album):
+    page = report_html(story, Details(summary=("In <Lab 7>.", "Sure.")), album)
+    assert page.index("<p>In &lt;Lab 7&gt;.</p>\n<p>Sure.</p>") < page.index("<table>")
+    assert "Localized" not in page[: page.index("<table>")].split("</style>")[1]
+
+
+def test_the_places_at_the_end_are_listed(page, story, blind):
+    assert "Places that were possible at the end" in page
+    best = story.track.estimates[-1].hypotheses[0]
+    assert f"{100 * best.share:.1f} %" in page
+    assert "Places that were possible" in report_html(blind)

@@ -40,9 +40,6 @@ def check_failure(result, says=""):
     assert says in result.stderr
 
 
-NO_REPORT = pytest.mark.xfail(reason="palms.plot draws no report yet", strict=True)
-
-
 @pytest.fixture(scope="session")
 def demo(tmp_path_factory):
     """The demo, run once; the loops may have to be compiled."""
@@ -77,7 +74,6 @@ def test_demo_ends_at_the_right_place(demo):
     assert steps["stage"][-1] == "localized"
 
 
-@NO_REPORT
 def test_demo_draws_a_report_that_needs_nothing_else(demo):
     folder = demo.folder / "palms-demo"
     report = (folder / "report.html").read_text()
@@ -120,6 +116,7 @@ def test_track_draws_into_a_folder(tmp_path):
     result = palms("track", PLAN, SCAN, WALK, "--out", tmp_path / "a" / "b")
     assert result.returncode == 0, result
     assert (tmp_path / "a" / "b" / "pipeline.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "a" / "b" / "report.html").read_text().startswith("<!DOCTYPE html>")
 
 
 def test_locate_as_table_json_and_picture(tmp_path):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import os
 import platform
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from html import escape
 from importlib.metadata import PackageNotFoundError, version
@@ -19,6 +19,7 @@ from palms.plot.album import Picture, make_album
 from palms.plot.output import write_bytes
 from palms.plot.recorder import MOMENTS
 from palms.plot.story import Story
+from palms.plot.style import degrees
 
 __all__ = ["Details", "installed_versions", "report_html", "write_report"]
 
@@ -29,6 +30,7 @@ _MOMENT_WORDS: Final = {
     "end": "end",
 }
 _SOURCES: Final = {"vio": "visual-inertial", "inertial": "inertial"}
+_WIDE: Final = ("stages.png", "pipeline.png", "empty-space.png")  # scrolled on a phone
 _FOLDED: Final = (".gif",)  # moves: shown when asked for
 
 _PAGE: Final = Template("""<!DOCTYPE html>
@@ -47,11 +49,14 @@ body { margin: 0 auto; max-width: 70rem; padding: 1.5rem; background: var(--pape
   color: var(--ink); font: 1rem/1.5 system-ui, sans-serif; }
 h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; }
 .verdict { font-size: 1.15rem; border-left: 0.3rem solid #0072b2; padding-left: 0.8rem; }
+.verdict p { margin: 0.3rem 0; }
 table { border-collapse: collapse; margin: 0.5rem 0; }
 caption { text-align: left; font-style: italic; padding: 0.2rem 0; }
 th, td { border-bottom: 1px solid var(--line); padding: 0.3rem 0.9rem 0.3rem 0; text-align: left;
   font-variant-numeric: tabular-nums; vertical-align: top; }
+thead th, td.short, tbody th { white-space: nowrap; }
 .wide { overflow-x: auto; }
+.wide img { max-width: none; width: 100%; min-width: 46rem; }
 figure { margin: 1rem 0; }
 img { max-width: 100%; height: auto; background: #ffffff; border-radius: 6px; padding: 6px;
   box-sizing: border-box; }
@@ -63,12 +68,15 @@ summary { cursor: pointer; }
 <body>
 <header>
 <h1>$title</h1>
-<p class="verdict">$verdict</p>
+<div class="verdict">
+$verdict
+</div>
 </header>
 <main>
 <section aria-labelledby="numbers">
 <h2 id="numbers">In numbers</h2>
 $moments
+$hypotheses
 $facts
 </section>
 $figures
@@ -107,6 +115,8 @@ class Details:
     ----------
     title : str, optional
         Of the page; the plan's name when left out.
+    summary : tuple of str
+        What came out, in sentences; made from the numbers when left out.
     command : str
         The command line that made it.
     versions : mapping of str to str
@@ -121,6 +131,7 @@ class Details:
     """
 
     title: str | None = None
+    summary: tuple[str, ...] = ()
     command: str = ""
     versions: Mapping[str, str] = field(default_factory=installed_versions)
     notes: Mapping[str, str] = field(default_factory=dict)
@@ -179,8 +190,11 @@ def report_html(
     album = make_album(story) if album is None else album
     return _PAGE.substitute(
         title=escape(details.title or f"A walk through {story.plan.name}"),
-        verdict=escape(_verdict(story)),
+        verdict="\n".join(
+            f"<p>{escape(sentence)}</p>" for sentence in details.summary or (_verdict(story),)
+        ),
         moments=_moments(story),
+        hypotheses=_hypotheses(story),
         facts=_table("The walk", {**_facts(story), **details.notes}),
         figures="\n".join(_figure(picture) for picture in album),
         made="\n".join(_made(story, details)),
@@ -228,19 +242,41 @@ def _facts(story: Story) -> dict[str, str]:
 
 def _moments(story: Story) -> str:
     """Table of start, t1, t2 and end."""
-    head = ("moment", "time", "walked", "off by", "95 % within", "within 1 m", "where")
+    head = ("moment", "time", "walked", "off by", "68 % within", "95 % within", "within 2 m",
+            "answer")  # fmt: skip
     rows = []
     for moment in MOMENTS:
         snapshot = story.recorder.moment(moment)
-        told = ["never"] + ["–"] * 5 if snapshot is None else _told(story, snapshot.estimate)
-        cells = "".join(f"<td>{escape(cell)}</td>" for cell in told)
-        rows.append(f'<tr><th scope="row">{_MOMENT_WORDS[moment]}</th>{cells}</tr>')
-    columns = "".join(f'<th scope="col">{name}</th>' for name in head)
+        told = ["never"] + ["–"] * 6 if snapshot is None else _told(story, snapshot.estimate)
+        rows.append([_MOMENT_WORDS[moment], *told])
+    return _headed("The moments of the method", head, rows)
+
+
+def _hypotheses(story: Story) -> str:
+    """Table of the places that hold most of the belief at the end."""
+    found = story.track.estimates[-1].hypotheses if len(story.track) else ()
+    if not found:
+        return "<p>No place stood out at the end.</p>"
+    rows = [
+        [str(rank), f"{100 * each.share:.1f} %", degrees(each.drift_rad),
+         _where(story, each.x_m, each.y_m)]
+        for rank, each in enumerate(found, start=1)
+    ]  # fmt: skip
+    return _headed("Places that were possible at the end", ("", "share", "drift", "place"), rows)
+
+
+def _headed(caption: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Table with a heading for each column; the first cell heads its row."""
+    columns = "".join(f'<th scope="col">{name}</th>' if name else "<td></td>" for name in head)
+    body = "\n".join(
+        f'<tr><th scope="row">{escape(first)}</th>'
+        + "".join(f'<td class="short">{escape(cell)}</td>' for cell in others)
+        + "</tr>"
+        for first, *others in rows
+    )
     return (
-        '<div class="wide"><table><caption>The moments of the method</caption>\n'
-        f"<thead><tr>{columns}</tr></thead>\n<tbody>\n"
-        + "\n".join(rows)
-        + "\n</tbody></table></div>"
+        f'<div class="wide"><table><caption>{escape(caption)}</caption>\n'
+        f"<thead><tr>{columns}</tr></thead>\n<tbody>\n{body}\n</tbody></table></div>"
     )
 
 
@@ -248,16 +284,20 @@ def _told(story: Story, estimate: Estimate) -> list[str]:
     step = story.step_at(estimate.time_s)
     error = np.nan if story.error_m is None else float(story.error_m[step])
     place = estimate.position_m
-    where = "–" if place is None else f"x {place[0]:.1f} m, y {place[1]:.1f} m"
-    room = None if place is None else story.plan.room_at(place)
     return [
         f"{estimate.time_s:.1f} s",
         f"{story.odometry.walked_m[step]:.1f} m",
         f"{error:.2f} m" if np.isfinite(error) else "–",
+        "–" if estimate.radius_68_m is None else f"{estimate.radius_68_m:.1f} m",
         "–" if estimate.radius_95_m is None else f"{estimate.radius_95_m:.1f} m",
-        f"{100 * estimate.p_within_1m:.0f} %",
-        f"{room} ({where})" if room else where,
+        f"{100 * estimate.p_within_2m:.0f} %",
+        "–" if place is None else _where(story, float(place[0]), float(place[1])),
     ]
+
+
+def _where(story: Story, x_m: float, y_m: float) -> str:
+    room, coordinates = story.plan.room_at((x_m, y_m)), f"x {x_m:.1f} m, y {y_m:.1f} m"
+    return f"{room} ({coordinates})" if room else coordinates
 
 
 def _table(caption: str, rows: Mapping[str, str]) -> str:
@@ -277,6 +317,8 @@ def _figure(picture: Picture) -> str:
     key = picture.name.replace(".", "-")
     image = f'<img src="data:{picture.mime};base64,{content}" alt="{words}">'
     caption = f'<figcaption aria-hidden="true">{words}</figcaption>'  # the alt says it already
+    if picture.name in _WIDE:
+        image = f'<div class="wide" tabindex="0">{image}</div>'
     figure = f"<figure>\n{image}\n{caption}\n</figure>"
     if picture.name.endswith(_FOLDED):
         figure = f"<details>\n<summary>Show the animation</summary>\n{figure}\n</details>"

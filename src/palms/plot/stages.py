@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -45,13 +45,15 @@ _NEVER: Final = {
 
 
 @styled
-def stages_figure(stories: Mapping[str, Story]) -> Figure:
+def stages_figure(stories: Mapping[str, Story], moments: Sequence[str] = MOMENTS) -> Figure:
     """Draw the particles of several methods at the start, at t1, at t2 and at the end.
 
     Parameters
     ----------
     stories : mapping of str to Story
         One row each, under its name.
+    moments : sequence of str
+        Columns, some of start, t1, t2 and end.
 
     Returns
     -------
@@ -76,17 +78,18 @@ def stages_figure(stories: Mapping[str, Story]) -> Figure:
     if not stories:
         raise InputError("stages figure", expected="at least one method", got="none")
     width, height = next(iter(stories.values())).plan.size_m
-    panel = 3.1 / float(np.clip(width / max(height, 1e-6), 0.6, 2.5)) + 0.75
+    across = 12.4 / len(moments)
+    panel = across / float(np.clip(width / max(height, 1e-6), 0.6, 2.5)) + 0.75
     figure = new_figure(13.0, len(stories) * panel + 0.6)
-    table = figure.subplots(len(stories), len(MOMENTS), squeeze=False)
+    table = figure.subplots(len(stories), len(moments), squeeze=False)
     for row, (name, story) in zip(table, stories.items(), strict=True):
-        for axes, moment in zip(row, MOMENTS, strict=True):
+        for axes, moment in zip(row, moments, strict=True):
             _cell(axes, story, moment)
         row[0].text(
             -0.02, 0.5, name, transform=row[0].transAxes, rotation=90, ha="right", va="center",
             fontsize=11,
         )  # fmt: skip
-    for axes, moment in zip(table[0], MOMENTS, strict=True):
+    for axes, moment in zip(table[0], moments, strict=True):
         axes.set_title(_TITLES[moment])
     entries = _entries(stories)
     figure.legend(handles=entries, loc="outside lower center", ncols=len(entries))
