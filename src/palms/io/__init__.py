@@ -23,6 +23,7 @@ from palms.io.dataset import (
     write_case,
     write_plan,
 )
+from palms.io.events import Event, read_events, write_events
 from palms.io.files import read_json, read_text, write_json, write_text
 from palms.io.label import Label, read_label, write_label
 from palms.io.plan_csv import read_plan_csv, write_plan_csv
@@ -49,6 +50,7 @@ __all__ = [
     "SCANS",
     "Case",
     "Dataset",
+    "Event",
     "Format",
     "Label",
     "RecordedWalk",
@@ -58,6 +60,7 @@ __all__ = [
     "choose_format",
     "formats",
     "open_dataset",
+    "read_events",
     "read_floorplan",
     "read_json",
     "read_label",
@@ -69,6 +72,7 @@ __all__ = [
     "read_truth",
     "read_walk",
     "write_case",
+    "write_events",
     "write_json",
     "write_label",
     "write_plan",

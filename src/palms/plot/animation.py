@@ -162,8 +162,8 @@ class _Stagehands:
 
 
 @styled
-def _render(story: Story, shown: list[Snapshot]) -> list[npt.NDArray[np.uint8]]:
-    """Pictures (h, w, 3): the plan is drawn once, the rest over a copy of it."""
+def _render(story: Story, shown: list[Snapshot]) -> list[Image.Image]:
+    """Pictures: the plan is drawn once, the rest over a copy of it."""
     figure, axes, stagehands = _scene(story, shown)
     canvas = figure.canvas
     assert isinstance(canvas, FigureCanvasAgg)
@@ -174,8 +174,9 @@ def _render(story: Story, shown: list[Snapshot]) -> list[npt.NDArray[np.uint8]]:
         canvas.restore_region(background)  # type: ignore[no-untyped-call]
         stagehands.show(story, snapshot)
         stagehands.draw(axes)
-        pixels = np.asarray(canvas.buffer_rgba())  # type: ignore[no-untyped-call]
-        pictures.append(pixels[:, :, :3].copy())
+        pixels = canvas.buffer_rgba()  # type: ignore[no-untyped-call]
+        size = pixels.shape[1], pixels.shape[0]
+        pictures.append(Image.frombuffer("RGBA", size, pixels, "raw", "RGBA", 0, 1).convert("RGB"))
     return pictures
 
 
@@ -206,13 +207,13 @@ def _scene(story: Story, shown: list[Snapshot]) -> tuple[Figure, Axes, _Stagehan
     return figure, axes, moving
 
 
-def _paletted(pictures: list[npt.NDArray[np.uint8]]) -> list[Image.Image]:
+def _paletted(pictures: list[Image.Image]) -> list[Image.Image]:
     """Give all pictures one palette, chosen for some of them together."""
     some = sorted({0, len(pictures) // 3, 2 * len(pictures) // 3, len(pictures) - 1})
-    together = Image.fromarray(np.concatenate([pictures[i] for i in some]))
+    together = Image.fromarray(np.concatenate([np.asarray(pictures[i]) for i in some]))
     palette = together.quantize(_COLOURS, method=Image.Quantize.MAXCOVERAGE)
     return [
-        Image.fromarray(picture).quantize(palette=palette, dither=Image.Dither.NONE)
+        picture.quantize(palette=palette, dither=Image.Dither.NONE)
         for picture in pictures
     ]
 

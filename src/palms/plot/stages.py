@@ -32,12 +32,14 @@ __all__ = ["draw_moment", "moment_words", "stages_figure"]
 
 _TITLES: Final = {
     "start": "start",
+    "half": "half way",
     "t1": "$t_1$: oriented",
     "t2": "$t_2$: localized",
     "end": "end",
 }
 _NEVER: Final = {
     "start": "no particles",
+    "half": "no particles",
     "t1": "never oriented",
     "t2": "never localized",
     "end": "no particles",
@@ -45,15 +47,16 @@ _NEVER: Final = {
 
 
 @styled
-def stages_figure(stories: Mapping[str, Story], moments: Sequence[str] = MOMENTS) -> Figure:
+def stages_figure(stories: Mapping[str, Story], moments: Sequence[str] | None = None) -> Figure:
     """Draw the particles of several methods at the start, at t1, at t2 and at the end.
 
     Parameters
     ----------
     stories : mapping of str to Story
         One row each, under its name.
-    moments : sequence of str
-        Columns, some of start, t1, t2 and end.
+    moments : sequence of str, optional
+        Columns, some of start, half, t1, t2 and end. When left out start, t1, t2 and end,
+        with half of the way there in place of t1 where t1 and t2 coincide for all.
 
     Returns
     -------
@@ -78,6 +81,9 @@ def stages_figure(stories: Mapping[str, Story], moments: Sequence[str] = MOMENTS
     if not stories:
         raise InputError("stages figure", expected="at least one method", got="none")
     width, height = next(iter(stories.values())).plan.size_m
+    together = all(story.t1_is_t2 for story in stories.values())
+    if moments is None:
+        moments = ("start", "half", "t2", "end") if together else MOMENTS
     across = 12.4 / len(moments)
     panel = across / float(np.clip(width / max(height, 1e-6), 0.6, 2.5)) + 0.75
     figure = new_figure(13.0, len(stories) * panel + 0.6)
@@ -90,7 +96,7 @@ def stages_figure(stories: Mapping[str, Story], moments: Sequence[str] = MOMENTS
             fontsize=11,
         )  # fmt: skip
     for axes, moment in zip(table[0], moments, strict=True):
-        axes.set_title(_TITLES[moment])
+        axes.set_title("$t_1 = t_2$: localized" if together and moment == "t2" else _TITLES[moment])
     entries = _entries(stories)
     figure.legend(handles=entries, loc="outside lower center", ncols=len(entries))
     return figure
@@ -134,7 +140,7 @@ def moment_words(story: Story, snapshot: Snapshot) -> str:
 
 
 def _cell(axes: Axes, story: Story, moment: str) -> None:
-    snapshot = story.recorder.moment(moment)
+    snapshot = story.snapshot(moment)
     if snapshot is None:
         frame_map(axes, *story.plan.bounds_m)
         draw_plan(axes, story.plan, 0.4, colour="#dcdcdc")
@@ -149,8 +155,8 @@ def _cell(axes: Axes, story: Story, moment: str) -> None:
 
 
 def _coincidence(story: Story, moment: str) -> str:
-    first, second = story.track.oriented_at_s, story.track.localized_at_s
-    return ", with $t_1$" if moment == "t2" and second is not None and first == second else ""
+    coincide = story.t1_is_t2 and story.track.localized_at_s is not None
+    return ", with $t_1$" if moment == "t2" and coincide else ""
 
 
 def _entries(stories: Mapping[str, Story]) -> list[Line2D]:

@@ -14,7 +14,7 @@ from palms.geometry import FloatArray, as_readonly
 from palms.heatmap import Candidates, Heatmaps, match
 from palms.localizer import Track
 from palms.odometry import Odometry
-from palms.plot.recorder import Recorder
+from palms.plot.recorder import Recorder, Snapshot
 from palms.raster import PlanRaster
 from palms.scan import Scan
 from palms.settings import Settings
@@ -98,6 +98,26 @@ class Story:
     def error_m(self) -> FloatArray | None:
         """Distance (T,) from answer to truth; None without a truth."""
         return None if self.truth_m is None else errors_m(self.track, self.truth_m)
+
+    @property
+    def t1_is_t2(self) -> bool:
+        """Whether oriented and localized came together, or neither."""
+        return self.track.oriented_at_s == self.track.localized_at_s
+
+    def snapshot(self, moment: str) -> Snapshot | None:
+        """Return the particles at a moment; None when it never came.
+
+        Parameters
+        ----------
+        moment : {"start", "half", "t1", "t2", "end"}
+            As `Recorder.moment`; "half" of the way to t2, or of the walk without one.
+        """
+        frames = self.recorder.frames
+        if moment != "half" or not frames:
+            return self.recorder.moment(moment)
+        until = self.track.localized_at_s or frames[-1].time_s
+        half = (frames[0].time_s + until) / 2
+        return min(frames, key=lambda frame: abs(frame.time_s - half))
 
     def step_at(self, time_s: float) -> int:
         """Index of the odometry's sample at a time, the last one not later."""
