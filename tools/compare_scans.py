@@ -19,7 +19,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from benchmarks.real.cases import Key, load_case
 from benchmarks.real.plans import cache_folder
 from benchmarks.real.radish import BUILDINGS, data_folder, starts
-
 from palms import PlanRaster, Scan, SegmentClass, Settings, rasterize
 from palms.evaluation.simulation import CaseSettings, generate_levels, make_site, simulate_start
 from palms.geometry import FloatArray, distance_to_segments, lengths, rotate

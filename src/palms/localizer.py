@@ -15,7 +15,7 @@ from palms.geometry import FloatArray
 from palms.heatmap import Candidates, find_candidates, match, scan_drifts
 from palms.odometry import Move, Odometry
 from palms.orientation import candidate_drifts, principal_orientation, smallest_alignment
-from palms.particles import MoveInfo, Particles, advance, start_everywhere, start_from
+from palms.particles import MoveInfo, Particles, advance, start_everywhere, start_from, with_scales
 from palms.randomness import RandomKey, as_key
 from palms.raster import PlanRaster, rasterize
 from palms.scan import Scan
@@ -252,6 +252,8 @@ class Localizer:
         return self.settings.start.n_particles
 
     def _begin(self, particles: Particles) -> Estimate:
+        spread, key = self.settings.start.scale_sd, self._key.child(_START)
+        particles = with_scales(particles, spread, key)
         self.belief = Belief(particles)
         self.estimate = self._summary(self.estimate.time_s)
         return self.estimate
@@ -262,6 +264,8 @@ class Localizer:
 
     def _take(self, move: Move) -> Estimate:
         self._step += 1
+        if move.duration_s is None:
+            move = move._replace(duration_s=move.time_s - self.estimate.time_s)
         if move.length_m > self.settings.answer.heading_move_m:
             self._heading = float(np.arctan2(move.dy_m, move.dx_m))
         if self.belief is None:

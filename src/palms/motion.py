@@ -26,8 +26,8 @@ class MoveNoise(NamedTuple):
     drift_rad: float
 
 
-def move_noise(length_m: float, settings: MotionSettings) -> MoveNoise:
-    """Return the noise of a move of some length (paper III-C; numbers in the settings).
+def move_noise(length_m: float, settings: MotionSettings, duration_s: float = 0.0) -> MoveNoise:
+    """Return the noise of a move of some length and duration (paper III-C).
 
     With ``scaling="distance"`` variances grow with the length: two moves of half the length
     spread the particles as much as one.
@@ -43,5 +43,7 @@ def move_noise(length_m: float, settings: MotionSettings) -> MoveNoise:
     return MoveNoise(
         settings.length_m * steps,
         settings.direction_rad * lever * steps,
-        settings.drift_rad * steps,
+        math.hypot(
+            settings.drift_rad * steps, settings.drift_rad_per_sqrt_s * math.sqrt(duration_s)
+        ),
     )

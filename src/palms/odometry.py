@@ -26,6 +26,8 @@ class Move(NamedTuple):
         Displacement in the odom frame.
     facing_rad : float or None
         Where the phone looked at its end, in the odom frame.
+    duration_s : float or None
+        How long it took; None: since the move before.
 
     Examples
     --------
@@ -37,6 +39,7 @@ class Move(NamedTuple):
     dx_m: float
     dy_m: float
     facing_rad: float | None = None
+    duration_s: float | None = None
 
     @property
     def length_m(self) -> float:

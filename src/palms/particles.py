@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -27,9 +27,18 @@ __all__ = [
     "start_everywhere",
     "start_from",
     "thin",
+    "with_scales",
 ]
 
-_PLACE, _DRIFT, _MOVE, _COPY, _RESAMPLE, _THIN = range(6)  # purposes of random numbers
+_PLACE, _DRIFT, _MOVE, _COPY, _RESAMPLE, _THIN, _SCALE = (
+    0,
+    1,
+    2,
+    3,
+    4,
+    5,
+    7,
+)  # purposes of random numbers
 
 
 @dataclass(frozen=True, slots=True)
@@ -188,7 +197,7 @@ def advance(
     """
     n = len(particles)
     position, drift, hit = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
-    noise = move_noise(move.length_m, settings)
+    noise = move_noise(move.length_m, settings, move.duration_s or 0.0)
     n_hit = loops.move(
         particles.position_m, particles.drift_rad, particles.scale, (move.dx_m, move.dy_m),
         tuple(noise), key.child(_MOVE).word, raster.walls, position, drift, hit,
@@ -246,6 +255,15 @@ def resample_systematic(weights: FloatArray, n: int, key: RandomKey) -> npt.NDAr
     out = np.empty(n, np.int64)
     loops.systematic(np.ascontiguousarray(weights), n, key.uniform(), out)
     return out
+
+
+def with_scales(particles: Particles, scale_sd: float, key: RandomKey) -> Particles:
+    """Give each particle a scale of its own around 1; the same particles for a spread of 0."""
+    if scale_sd == 0:
+        return particles
+    z = np.empty((len(particles), 1))
+    loops.normals(key.child(_SCALE).word, 1, z)
+    return replace(particles, scale=1 + scale_sd * z[:, 0])
 
 
 def effective_sample_size(weight: FloatArray) -> float:

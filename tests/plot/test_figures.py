@@ -118,7 +118,8 @@ def test_empty_space_figure_says_how_much_wall_is_inside(story):
 
 
 def test_stages_have_a_row_for_each_method_and_a_column_for_each_moment(story, blind):
-    figure = stages_figure({"paper": story, "uniform": blind})
+    moments = ("start", "t1", "t2", "end")
+    figure = stages_figure({"paper": story, "uniform": blind}, moments)
     assert len(figure.axes) == 8
     assert titles(figure) == ["start", "$t_1$: oriented", "$t_2$: localized", "end"]
     assert len(maps(figure)) == 8
@@ -211,3 +212,18 @@ def test_figures_are_written_whole_or_not_at_all(tmp_path, plan):
     with pytest.raises(OutputError):
         write_bytes(tmp_path / "taken", b"x")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["plan.png", "taken"]
+
+
+def test_where_t1_and_t2_coincide_a_moment_half_way_is_shown(story, blind):
+    figure = stages_figure({"a": story, "b": blind})
+    assert titles(figure) == ["start", "half way", "$t_1 = t_2$: localized", "end"]
+    figure = stages_figure({"b": blind})
+    assert titles(figure) == ["start", "$t_1$: oriented", "$t_2$: localized", "end"]
+    half = story.snapshot("half")
+    assert half.time_s < story.track.localized_at_s
+    assert story.snapshot("t2") is story.recorder.moment("t2")
+
+
+def test_moments_may_be_chosen(story):
+    figure = stages_figure({"a": story}, moments=("start", "end"))
+    assert titles(figure) == ["start", "end"]

@@ -41,7 +41,7 @@ def draw_places(path: Path, plan: FloorPlan, scan: Scan, places: Sequence[Place]
     write_figure(path, candidates_figure(plan, places, scan))
 
 
-def draw_walk(folder: Path, case: Case, settings: Settings, seed: int) -> list[Path]:
+def draw_walk(folder: Path, story: Story, case: Case) -> list[Path]:
     """Write report, pictures and animation of a walk into a folder, made when it is not there.
 
     Returns
@@ -49,7 +49,6 @@ def draw_walk(folder: Path, case: Case, settings: Settings, seed: int) -> list[P
     list of Path
         What was written, the most worth looking at first.
     """
-    story = tell_story(case, settings, seed)
     album = make_album(story)
     make_folder(folder)
     written = write_album(folder, album)
@@ -71,7 +70,7 @@ def _details(story: Story, case: Case) -> Details:
 
 
 def tell_story(case: Case, settings: Settings, seed: int) -> Story:
-    """Track a walk again, the same to the bit, and keep what pictures need."""
+    """Track a walk as `follow` does, the same to the bit, and keep what pictures need."""
     raster = rasterize(case.plan, settings.raster)
     recorder, by_scan = Recorder(), settings.start.source == "scan"
     answers = track(raster, case.scan, case.odometry, settings, seed, recorder)

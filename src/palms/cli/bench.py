@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from palms.cli._errors import INTERRUPTED
+from palms.cli._options import Source
 
 if TYPE_CHECKING:
     from palms.evaluation.experiment import Experiment, Journal
+    from palms.evaluation.sensitivity import Trials
+    from palms.io import Case
 
 EXAMPLE = "Example: palms bench data --methods paper,uniform --trials 10 --out results"
 
@@ -19,6 +23,7 @@ def bench(
     dataset: Annotated[
         Path, typer.Argument(metavar="DATASET", help="Folder with maps/ and trajectories/.")
     ],
+    *,
     out: Annotated[
         Path,
         typer.Option(metavar="DIR", help="Results; a run that was stopped goes on from them."),
@@ -38,25 +43,45 @@ def bench(
         int | None, typer.Option(metavar="N", min=1, help="The methods' own when left out.")
     ] = None,
     walk_source: Annotated[
-        str, typer.Option(metavar="SOURCE", help="arkit or ronin: which odometry of the walks.")
-    ] = "arkit",
+        Source, typer.Option(help="Which odometry of the walks.")
+    ] = Source.ARKIT,
+    compare: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME=DIR",
+            help="Results with a nuisance changed; the report says what that does. Repeatable.",
+        ),
+    ] = None,
 ) -> None:
-    """Run methods over all walks of a data set, many trials each; write tables and results."""
-    from palms.errors import InputError
+    """Run methods over all walks of a data set, many trials each; write results and a report."""
+    from palms.cli._outputs import check_folder
     from palms.evaluation.experiment import Experiment, Journal
 
     names = tuple(name.strip() for name in methods.split(",") if name.strip())
-    if walk_source not in ("arkit", "ronin"):
-        raise InputError("--walk-source", expected="arkit or ronin", got=walk_source)
-    experiment = Experiment(dataset, names, trials, seed, particles, walk_source)
+    experiment = Experiment(dataset, names, trials, seed, particles, walk_source.value)
+    changed = _changed(compare or ())
     cases = experiment.cases()
+    check_folder(out)
     journal = Journal(out, experiment.to_json(cases))
     try:
         _run(experiment, journal, len(cases), jobs, cluster)
+        _write(experiment, journal, cases, changed)
     except KeyboardInterrupt:
         typer.echo("stopped; run the same command again to go on", err=True)
         raise typer.Exit(INTERRUPTED) from None
-    _write(experiment, journal, out)
+
+
+def _changed(compare: list[str] | tuple[str, ...]) -> dict[str, Trials]:
+    from palms.errors import InputError
+    from palms.evaluation.sensitivity import read_trials
+
+    changed: dict[str, Trials] = {}
+    for given in compare:
+        name, equals, folder = given.partition("=")
+        if not (name and equals and folder):
+            raise InputError("--compare", expected="NAME=DIR", got=given)
+        changed[name] = read_trials(Path(folder))
+    return changed
 
 
 def _run(
@@ -82,18 +107,37 @@ def _run(
         )
 
 
-def _write(experiment: Experiment, journal: Journal, out: Path) -> None:
+def _write(
+    experiment: Experiment, journal: Journal, cases: tuple[Case, ...], changed: dict[str, Trials]
+) -> None:
     from palms.evaluation.experiment import as_results
+    from palms.evaluation.report import Findings, write_experiment_report
+    from palms.evaluation.sensitivity import nuisance_effects
     from palms.evaluation.tables import HEADLINE, PAPER, experiment_markdown, table_rows
     from palms.io import write_json, write_text
 
-    records = journal.ordered(experiment)
-    results = as_results(experiment, records)
-    write_json(out / "results.json", results)
+    out, records = journal.folder, journal.ordered(experiment)
+    write_json(out / "results.json", as_results(experiment, records))
     heading = f"{experiment.dataset.name}, {experiment.trials} trials, seed {experiment.seed}"
-    write_text(out / "table.md", experiment_markdown(results["trials"], heading))
-    _show(table_rows(results["trials"], HEADLINE + PAPER))
-    typer.echo(f"wrote {out / 'results.json'}, {out / 'table.md'}")
+    write_text(out / "table.md", experiment_markdown(records, heading))
+    _show(table_rows(records, HEADLINE + PAPER))
+    findings = Findings(
+        experiment, records, cases, nuisance_effects(records, changed), _command(experiment, out)
+    )
+    write_experiment_report(out / "report.html", findings)
+    typer.echo(f"Report: {out / 'report.html'}\n  beside it: results.json, table.md")
+
+
+def _command(experiment: Experiment, out: Path) -> str:
+    """Return the command line that runs the experiment once more, whoever does the work."""
+    options: dict[str, Any] = {
+        "--methods": ",".join(experiment.methods), "--trials": experiment.trials,
+        "--seed": experiment.seed, "--particles": experiment.particles,
+        "--walk-source": None if experiment.walk_source == "arkit" else experiment.walk_source,
+        "--out": out,
+    }  # fmt: skip
+    given = [str(word) for pair in options.items() if pair[1] is not None for word in pair]
+    return shlex.join(["palms", "bench", str(experiment.dataset), *given])
 
 
 def _show(rows: list[list[str]]) -> None:

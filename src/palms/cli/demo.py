@@ -26,8 +26,9 @@ def demo(
     json: Json = None,
 ) -> None:
     """Localize a phone in the sample building that comes with palms, and draw a report."""
+    from palms.cli._compiling import announcing
     from palms.cli._inputs import make_settings
-    from palms.cli.track import document, draw, follow, tell
+    from palms.cli.track import document, draw, tell
 
     check_file(json)
     check_folder(out)
@@ -40,11 +41,15 @@ def demo(
         f"one LiDAR scan ({len(case.scan.walls_m)} walls seen) and a walk of "
         f"{case.odometry.walked_m[-1]:.0f} m. Where is the phone?\n"
     )
-    tracks = follow(case, settings, range(SEED, SEED + 1))
+    with announcing(lambda text: typer.echo(text, err=True)):
+        from palms.cli._pictures import tell_story
+
+        story = tell_story(case, settings, SEED)
+    tracks = [story.track]
     tell(tracks, case, say)
     write_result(document(tracks, case, settings), json)
     say("\nDrawing ...")
-    draw(out, case, settings, SEED, say)
+    draw(out, story, case, say)
     if json is not None and not is_stdout(json):
         say(f"Result: {json}")
 

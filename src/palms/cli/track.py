@@ -23,6 +23,7 @@ from palms.cli._outputs import (
 if TYPE_CHECKING:
     from palms.cli._inputs import Case
     from palms.localizer import Track
+    from palms.plot.story import Story
     from palms.settings import Settings
 
 __all__ = ["EXAMPLE", "track"]
@@ -74,7 +75,9 @@ def track(
     if json is not None and not is_stdout(json):
         say(f"Result: {json}")
     if out is not None:
-        draw(out, case, settings, seed, say)
+        from palms.cli._pictures import tell_story
+
+        draw(out, tell_story(case, settings, seed), case, say)
 
 
 def follow(case: Case, settings: Settings, seeds: range) -> list[Track]:
@@ -111,15 +114,13 @@ def tell(tracks: list[Track], case: Case, say: Speaker) -> None:
             say(f"  {second}")
 
 
-def draw(folder: Path, case: Case, settings: Settings, seed: int, say: Speaker) -> None:
+def draw(folder: Path, story: Story, case: Case, say: Speaker) -> None:
     """Write report, figures and animation of one trial, and say where they are."""
     from palms.cli._pictures import draw_walk
 
-    first, *others = draw_walk(folder, case, settings, seed)
-    beside = ", ".join(path.name for path in others)
-    say(f"{'Report' if first.suffix == '.html' else 'Picture'}: {first}")
-    if beside:
-        say(f"  beside it: {beside}")
+    report, *others = draw_walk(folder, story, case)
+    say(f"Report: {report}")
+    say(f"  beside it: {', '.join(path.name for path in others)}")
 
 
 def document(tracks: list[Track], case: Case, settings: Settings) -> dict[str, object]:

@@ -292,7 +292,7 @@ def threshold_sweep(records: Records, thresholds: Sequence[float] = THRESHOLDS) 
         metres = np.array([verdict.right_after_m for verdict in found])
         defined = shares[~np.isnan(shares)]
         false.append(defined.mean() if len(defined) else np.nan)
-        right.append(np.where(np.isnan(metres), length, metres).mean() if len(found) else np.nan)
+        right.append(np.where(np.isnan(metres), length, metres).mean() if found else np.nan)
     return Sweep(np.array(thresholds, dtype=np.float64), np.array(false), np.array(right))
 
 

@@ -222,7 +222,7 @@ def run_batch(subject: Subject, batch: Batch, experiment: Experiment) -> list[Re
             "seed": seed,
         }  # fmt: skip
         sampled = {
-            "sampled_p_within_1m": stated[0] if stated else None,
+            "sampled_p_within_1m": min(1.0, stated[0]) if stated else None,
             "sampled_within_1m": stated[1] if stated else None,
         }
         records.append({**head, **metrics.to_json(), **sampled, "series": series(track, subject)})

@@ -12,7 +12,7 @@ from palms.evaluation.bootstrap import Interval, aggregate
 from palms.evaluation.tables import by_method, units_of
 from palms.io import read_json
 
-__all__ = ["FIGURES", "Effect", "nuisance_effects", "read_trials"]
+__all__ = ["FIGURES", "Effect", "Trials", "nuisance_effects", "read_trials"]
 
 FIGURES = ("false_localized", "useful")  # issue "Measure": what the bars show
 
@@ -80,9 +80,7 @@ def nuisance_effects(base: Trials, changed: Mapping[str, Trials]) -> list[Effect
         for figure in FIGURES
     ]  # fmt: skip
     order = {method: i for i, method in enumerate(before)}
-    return sorted(
-        effects, key=lambda e: (order[e.method], FIGURES.index(e.figure), -abs(e.change))
-    )
+    return sorted(effects, key=lambda e: (order[e.method], FIGURES.index(e.figure), -abs(e.change)))
 
 
 def _figures(trials: Trials) -> dict[str, dict[str, Interval]]:

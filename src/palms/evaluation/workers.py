@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from functools import lru_cache
+from importlib import import_module
 from itertools import islice
 from multiprocessing import active_children, get_context, parent_process
 from threading import Thread
@@ -30,6 +31,7 @@ from palms.io import Case
 __all__ = ["run_experiment"]
 
 AHEAD = 3  # batches handed out per worker: enough to keep it busy, few in flight
+CONNECT = "10s"  # ours: a scheduler that is there answers at once
 GO_ON = "run the same command again: it goes on where it was"
 
 Loader = Callable[[Batch], Subject]
@@ -131,14 +133,14 @@ def _on_cluster(
     experiment: Experiment, batches: Sequence[Batch], load: Loader, address: str
 ) -> Iterator[list[Record]]:
     try:
-        from distributed import Client, as_completed
+        distributed: Any = import_module("distributed")
     except ImportError:
         raise InputError(
             "--cluster", expected="the package distributed", got="none",
             fix="pip install 'palms-localization[cluster]'",
         ) from None  # fmt: skip
     try:
-        client = Client(address, timeout="10s")
+        client = distributed.Client(address, timeout=CONNECT)
     except (OSError, ValueError) as error:
         raise InputError(
             f"--cluster {address}", expected="a running scheduler", got=type(error).__name__,
@@ -146,7 +148,7 @@ def _on_cluster(
         ) from None  # fmt: skip
     with client:
         queue, submit = iter(batches), _submitter(client, experiment, load)
-        running, waiting = as_completed(), 0
+        running, waiting = distributed.as_completed(), 0
         while True:
             ahead = AHEAD * max(1, sum(client.nthreads().values()))  # workers come and go
             for batch in islice(queue, max(0, ahead - waiting)):

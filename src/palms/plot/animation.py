@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -212,10 +211,7 @@ def _paletted(pictures: list[Image.Image]) -> list[Image.Image]:
     some = sorted({0, len(pictures) // 3, 2 * len(pictures) // 3, len(pictures) - 1})
     together = Image.fromarray(np.concatenate([np.asarray(pictures[i]) for i in some]))
     palette = together.quantize(_COLOURS, method=Image.Quantize.MAXCOVERAGE)
-    return [
-        picture.quantize(palette=palette, dither=Image.Dither.NONE)
-        for picture in pictures
-    ]
+    return [picture.quantize(palette=palette, dither=Image.Dither.NONE) for picture in pictures]
 
 
 def _gif(pictures: list[Image.Image]) -> bytes:

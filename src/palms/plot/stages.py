@@ -81,7 +81,7 @@ def stages_figure(stories: Mapping[str, Story], moments: Sequence[str] | None = 
     if not stories:
         raise InputError("stages figure", expected="at least one method", got="none")
     width, height = next(iter(stories.values())).plan.size_m
-    together = all(story.t1_is_t2 for story in stories.values())
+    together = _together(stories)
     if moments is None:
         moments = ("start", "half", "t2", "end") if together else MOMENTS
     across = 12.4 / len(moments)
@@ -100,6 +100,13 @@ def stages_figure(stories: Mapping[str, Story], moments: Sequence[str] | None = 
     entries = _entries(stories)
     figure.legend(handles=entries, loc="outside lower center", ncols=len(entries))
     return figure
+
+
+def _together(stories: Mapping[str, Story]) -> bool:
+    """Whether t1 and t2 coincide for all that were localized, and some were."""
+    each = stories.values()
+    some = any(story.track.localized_at_s is not None for story in each)
+    return some and all(story.t1_is_t2 for story in each)
 
 
 def draw_moment(axes: Axes, story: Story, snapshot: Snapshot) -> None:

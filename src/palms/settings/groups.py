@@ -183,6 +183,9 @@ class StartSettings:
     orientation_from : {"plan", "axes"}
         theta aligns the scan with the plan (paper III-A) or with the axes of the map
         (authors' code).
+    scale_sd : float
+        Spread of the particles' scale, metres walked per metre of odometry, around 1
+        (paper silent, which we read as none).
     orientation_moves : int
         First moves that give Uniform + Ori its theta (paper IV-B "the first few
         tracking points"; 8 is ours).
@@ -191,12 +194,14 @@ class StartSettings:
     source: Literal["scan", "uniform", "uniform-ori"] = "scan"
     n_particles: int = 2000
     orientation_from: Literal["plan", "axes"] = "plan"
+    scale_sd: float = 0.0
     orientation_moves: int = 8
 
     def __post_init__(self) -> None:
         _check(
             "start",
             n_particles=(1 <= self.n_particles <= 5_000_000, "1 to 5,000,000", self.n_particles),
+            scale_sd=(0 <= self.scale_sd <= 0.3, "0 to 0.3", self.scale_sd),
             orientation_moves=(self.orientation_moves >= 1, "at least 1", self.orientation_moves),
         )
 
@@ -217,6 +222,9 @@ class MotionSettings:
         Standard deviations of a step's length and direction, and of the drift's change
         (paper silent, ours: fitted to visual-inertial odometry; authors' code: 0.356,
         0.05, 0.015).
+    drift_rad_per_sqrt_s : float
+        Standard deviation of the drift's change in a second, whether the phone moves or not;
+        it grows with the root of the time (paper silent, which we read as none).
     jitter_m : float
         Spread of a resampled particle's place (paper III-C "with noise added"; 0.1 m is
         ours and the authors').
@@ -232,6 +240,7 @@ class MotionSettings:
     length_m: float = 0.05
     direction_rad: float = 0.025
     drift_rad: float = 0.007
+    drift_rad_per_sqrt_s: float = 0.0
     jitter_m: float = 0.1
     scaling: Literal["distance", "sample"] = "distance"
     hit_weight: float = 0.0
@@ -243,6 +252,11 @@ class MotionSettings:
             length_m=(self.length_m >= 0, "0 m or more", self.length_m),
             direction_rad=(self.direction_rad >= 0, "0 or more", self.direction_rad),
             drift_rad=(self.drift_rad >= 0, "0 or more", self.drift_rad),
+            drift_rad_per_sqrt_s=(
+                self.drift_rad_per_sqrt_s >= 0,
+                "0 or more",
+                self.drift_rad_per_sqrt_s,
+            ),
             jitter_m=(self.jitter_m >= 0, "0 m or more", self.jitter_m),
             hit_weight=(0 <= self.hit_weight <= 1, "0 to 1", self.hit_weight),
         )
