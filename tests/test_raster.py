@@ -35,7 +35,7 @@ def test_no_cell_holds_more_than_one_straight_wall():
 
 def test_the_inside_is_what_the_walls_enclose_with_the_walls():
     house = FloorPlan(closed([[0.5, 0.5], [5.5, 0.5], [5.5, 3.5], [0.5, 3.5]]))
-    raster = rasterize(house, RasterSettings(cell_size_m=1.0))
+    raster = rasterize(house, RasterSettings(cell_size_m=1.0, margin_m=1.0))
     assert drawn(raster.inside) == [
         "........",
         ".######.",
@@ -68,13 +68,13 @@ def test_scattered_walls_have_their_hull_as_inside():
 
 def test_a_plan_too_large_for_its_cells_is_refused_before_any_memory_is_taken():
     huge = FloorPlan([[[0, 0], [4000, 3000]]])
-    with pytest.raises(InputError, match=r"4002 x 3002 m, 1,201,400,400 cells.*cell size of 0\.78"):
+    with pytest.raises(InputError, match=r"4004 x 3004 m, 1,202,801,600 cells.*cell size of 0\.78"):
         rasterize(huge)
     wing = FloorPlan([[[0, 0], [60, 40]]])
     few = RasterSettings(max_cells=20_000)
-    with pytest.raises(InputError, match=r"cell size of 0\.37 m"):
+    with pytest.raises(InputError, match=r"cell size of 0\.38 m"):
         rasterize(wing, few)
-    assert rasterize(wing, RasterSettings(cell_size_m=0.37, max_cells=20_000)).grid.size <= 20_000
+    assert rasterize(wing, RasterSettings(cell_size_m=0.38, max_cells=20_000)).grid.size <= 20_000
 
 
 def test_clearance_never_exceeds_the_distance_to_a_wall():

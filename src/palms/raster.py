@@ -170,7 +170,7 @@ def _inside(
     else:
         padded = np.zeros((rows * k, columns * k), np.bool_)
         padded[: grid.shape[0], : grid.shape[1]] = density > 0
-        walls = padded.reshape(rows, k, columns, k).any(axis=(1, 3))
+        walls = np.asarray(padded.reshape(rows, k, columns, k).any(axis=(1, 3)))
         inside = _enclosed(walls, settings.closing_m / coarse.cell_size_m)
         hull = _within(_hull(plan.segments_m), coarse)
         if inside.sum() < settings.enclosed_share * hull.sum():

@@ -12,8 +12,8 @@ from palms.sample import sample_folder
 METHODS = ("uniform", "paper")
 
 
-def small(trials=24, **changes):
-    return Experiment(sample_folder(), METHODS, **{"trials": trials, "particles": 200} | changes)
+def small(trials=20, **changes):
+    return Experiment(sample_folder(), METHODS, **{"trials": trials, "particles": 150} | changes)
 
 
 def run_into(folder, experiment, **how):
@@ -48,3 +48,14 @@ def expected(finished):
 def records(experiment, finished):
     journal = Journal(finished, experiment.to_json(experiment.cases()))
     return journal.ordered(experiment)
+
+
+@pytest.fixture(scope="session")
+def palms():
+    """Run the command in this process: result with exit_code, stdout and stderr."""
+    from typer.testing import CliRunner
+
+    from palms.cli.app import app
+
+    runner = CliRunner()
+    return lambda *arguments: runner.invoke(app, [str(each) for each in arguments])

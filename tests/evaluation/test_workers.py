@@ -27,7 +27,7 @@ if __name__ == "__main__":
 def test_two_processes_give_the_same_bytes(experiment, expected, tmp_path):
     counted = []
     assert run_into(tmp_path / "r", experiment, jobs=2, progress=counted.append) == expected
-    assert sum(counted) == 48
+    assert sum(counted) == 40
 
 
 def start(folder, jobs):
@@ -71,10 +71,10 @@ def test_a_killed_run_goes_on_and_its_workers_end(experiment, expected, tmp_path
     finally:
         if not nobody_left(process.pid):
             os.killpg(process.pid, signal.SIGKILL)
-    assert BATCH <= saved < 48
+    assert BATCH <= saved < 40
     counted = []
     assert run_into(folder, experiment, progress=counted.append) == expected
-    assert sum(counted) == 48 - saved
+    assert sum(counted) == 40 - saved
 
 
 def test_nothing_but_the_trials_in_flight_is_lost(experiment, expected, tmp_path):

@@ -26,12 +26,32 @@ def _binned(points, cell):
         start[home[i] + 1] += 1
     for b in range(rows * columns):
         start[b + 1] += start[b]
-    fill = start[:-1].copy()
     order = np.empty(n, np.int64)
-    for i in range(n):
-        order[fill[home[i]]] = i
-        fill[home[i]] += 1
+    for i in range(n - 1, -1, -1):  # from the back: each bin's end walks to its start
+        start[home[i] + 1] -= 1
+        order[start[home[i] + 1]] = i
+    for b in range(rows * columns):
+        start[b] = start[b + 1]
+    start[rows * columns] = n
     return left, bottom, rows, columns, start, order
+
+
+@njit(cache=True, nogil=True)
+def _densest_first(density, m, n):
+    """Order of the first m densities, 1 to n, densest first, ties as they come: counting sort.
+
+    numpy's sorts would do, but take numba seconds to compile.
+    """
+    after = np.zeros(n + 2, np.int64)
+    for j in range(m):
+        after[density[j]] += 1
+    for d in range(n, -1, -1):
+        after[d] += after[d + 1]
+    order = np.empty(m, np.int64)
+    for j in range(m - 1, -1, -1):
+        after[density[j]] -= 1
+        order[after[density[j]]] = j
+    return order
 
 
 @njit(cache=True, nogil=True)
@@ -85,7 +105,7 @@ def mean_shift(points, bandwidth, tolerance, max_iterations):
         m += 1
     kept = np.empty((m, 2))
     n_kept = 0
-    for j in np.argsort(-density[:m], kind="mergesort"):
+    for j in _densest_first(density, m, n):
         alone = True
         for k in range(n_kept):
             dx, dy = kept[k, 0] - modes[j, 0], kept[k, 1] - modes[j, 1]
@@ -93,7 +113,7 @@ def mean_shift(points, bandwidth, tolerance, max_iterations):
                 alone = False
                 break
         if alone:
-            kept[n_kept] = modes[j]
+            kept[n_kept, 0], kept[n_kept, 1] = modes[j, 0], modes[j, 1]
             n_kept += 1
     member = np.empty(n, np.int64)
     counts = np.zeros(n_kept, np.int64)
@@ -153,12 +173,20 @@ def weighted_quantile(distance, weight, share):
         if int(distance[i] * factor) == b:
             inside[m] = i
             m += 1
-    ranked = inside[:m][np.argsort(distance[inside[:m]])]
-    for i in ranked:
-        below += weight[i]
+    gap = m // 2
+    while gap > 0:  # shell sort: few members, and quick to compile
+        for k in range(gap, m):
+            i, j = inside[k], k
+            while j >= gap and distance[inside[j - gap]] > distance[i]:
+                inside[j] = inside[j - gap]
+                j -= gap
+            inside[j] = i
+        gap //= 2
+    for k in range(m):
+        below += weight[inside[k]]
         if below >= wanted:
-            return distance[i]
-    return distance[ranked[-1]] if m else far
+            return distance[inside[k]]
+    return distance[inside[m - 1]] if m else far
 
 
 @njit(cache=True, nogil=True)

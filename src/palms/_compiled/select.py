@@ -8,6 +8,25 @@ from numba import njit
 BINS = 4096
 
 
+FEW = 2048  # so many are sorted; more are divided into bins again
+
+
+@njit(cache=True, nogil=True)
+def _sorted_at(values, index):
+    """Shell sort in place and return one value; numpy's sort takes numba seconds to compile."""
+    n = values.shape[0]
+    gap = n // 2
+    while gap > 0:
+        for k in range(gap, n):
+            v, j = values[k], k
+            while j >= gap and values[j - gap] > v:
+                values[j] = values[j - gap]
+                j -= gap
+            values[j] = v
+        gap //= 2
+    return values[index]
+
+
 @njit(cache=True, nogil=True)
 def nth_largest(values, n):
     """Return the n-th largest (n from 1) of float32 values (N,), exact and safe with ties.
@@ -41,9 +60,10 @@ def nth_largest(values, n):
                 m += 1
                 new_low = min(new_low, float(v))
                 new_high = max(new_high, float(v))
-        if m <= 8192 or new_low == new_high:
-            kept.sort()
-            return kept[m - rank]
+        if new_low == new_high:
+            return np.float32(new_low)
+        if m <= FEW:
+            return _sorted_at(kept, m - rank)
         low, high = new_low, new_high
 
 

@@ -147,5 +147,5 @@ def _show(rows: list[list[str]]) -> None:
     turned = list(zip(*rows, strict=True))  # methods side by side: narrow enough for a terminal
     table = Table(*turned[0], box=None, pad_edge=False)
     for row in turned[1:]:
-        table.add_row(*row)
+        table.add_row(*(cell.replace(" [", "\n[") for cell in row))
     Console().print(table)

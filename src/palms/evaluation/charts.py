@@ -12,11 +12,12 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import PercentFormatter
+from matplotlib.ticker import PercentFormatter, StrMethodFormatter
 
 from palms.evaluation.bootstrap import Interval, aggregate
 from palms.evaluation.curves import (
     THRESHOLDS,
+    ErrorCdf,
     Records,
     error_cdf,
     localized_shares,
@@ -27,7 +28,7 @@ from palms.evaluation.curves import (
 from palms.evaluation.metrics import NEAR_M, WRONG_M
 from palms.evaluation.sensitivity import FIGURES, Effect
 from palms.evaluation.tables import units_of
-from palms.plot.style import ANSWER, INK, MUTED, SCAN, TRUTH, Dashes, new_figure, styled
+from palms.plot.style import ANSWER, INK, MUTED, TRUTH, Dashes, new_figure, styled
 
 __all__ = [
     "cdf_figure",
@@ -58,10 +59,10 @@ class _Style(NamedTuple):
 
 _STYLES: Final = {
     "palms": _Style(ANSWER, "solid", "o"),
-    "paper": _Style(SCAN, (0, (6, 1.6)), "s"),
+    "paper": _Style("#4aa3df", (0, (6, 1.6)), "s"),
     "authors": _Style("#b0508c", (0, (7, 1.6, 1.4, 1.6)), "D"),
-    "uniform": _Style("#8a8a8a", (0, (1, 1.4)), "^"),
-    "uniform-ori": _Style("#d08c00", (0, (2.6, 1.4)), "v"),
+    "uniform": _Style("#a8a8a8", (0, (1, 1.4)), "^"),
+    "uniform-ori": _Style("#8a5a00", (0, (2.6, 1.4)), "v"),
     "no-scan": _Style(TRUTH, (0, (7, 1.4, 1.4, 1.4, 1.4, 1.4)), "P"),
     "oracle": _Style(INK, (0, (4, 1, 1, 1)), "X"),
 }
@@ -97,34 +98,41 @@ def cdf_figure(records: ByMethod) -> Figure:
         (right, False, "Over the whole walk"),
     ):
         largest = 10.0
-        for method, chosen in records.items():
-            error, metres = pooled_errors(chosen, only)
-            cdf, style = error_cdf(error, metres), _style(method)
-            if len(cdf.error_m):
-                largest = max(largest, float(cdf.error_m[-1]))
-                _cdf_line(axes, cdf.error_m, cdf.share, style, method)
+        for i, (method, chosen) in enumerate(records.items()):
+            cdf = error_cdf(*pooled_errors(chosen, only))
+            largest = max([largest, *cdf.error_m[-1:]])
+            _cdf_line(axes, cdf, i, method)
         axes.set_xscale("log")
         axes.set_xlim(_SMALLEST_M, largest)
+        axes.xaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
         axes.set_xlabel("error in m")
         axes.set_title(title)
         for limit, word in ((NEAR_M, "1 m"), (WRONG_M, "2 m")):
             _vertical(axes, limit, word)
         _shares_axis(axes)
     left.set_ylabel("share of metres walked")
-    _legend(figure, left if left.lines else right)
+    _legend(figure, left)
     return figure
 
 
-def _cdf_line(axes: Axes, x: Any, y: Any, style: _Style, name: str) -> None:  # noqa: ANN401
-    axes.step(
-        np.concatenate([[_SMALLEST_M / 2], x]), np.concatenate([[0.0], y]), where="post",
-        color=style.colour, linestyle=style.dashes, linewidth=1.8, label=name,
-    )  # fmt: skip
-    at = np.linspace(0.1, 0.9, 5) * y[-1]
-    marks = np.minimum(np.searchsorted(y, at), len(y) - 1)
+def _cdf_line(axes: Axes, cdf: ErrorCdf, order: int, method: str) -> None:
+    """Draw one line: those drawn later are thinner, so that none hides another."""
+    style, width = _style(method), max(1.3, 3.4 - 0.6 * order)
+    look: dict[str, Any] = {"color": style.colour, "markersize": 5, "markeredgecolor": "white"}
     axes.plot(
-        x[marks], y[marks], linestyle="none", marker=style.marker, markersize=4.5,
-        color=style.colour, markeredgecolor="white", markeredgewidth=0.5,
+        [], [], linestyle=style.dashes, linewidth=width, marker=style.marker, label=method, **look
+    )  # fmt: skip
+    if not len(cdf.error_m):
+        return
+    axes.step(
+        [_SMALLEST_M / 2, *cdf.error_m], [0.0, *cdf.share], where="post", color=style.colour,
+        linestyle=style.dashes, linewidth=width,
+    )  # fmt: skip
+    at = (np.arange(5) + 0.4 + 0.1 * order) / 5 * cdf.share[-1]
+    marks = np.minimum(np.searchsorted(cdf.share, at), len(cdf.share) - 1)
+    axes.plot(
+        cdf.error_m[marks], cdf.share[marks], linestyle="none", marker=style.marker, zorder=4,
+        markeredgewidth=0.5, **look,
     )  # fmt: skip
 
 
@@ -186,19 +194,18 @@ def sweep_figure(records: ByMethod) -> Figure:
     """
     figure = new_figure(7.6, 4.6)
     axes = figure.add_subplot()
-    for method, chosen in records.items():
+    for i, (method, chosen) in enumerate(records.items()):
         style, sweep = _style(method), threshold_sweep(chosen)
         axes.plot(
             sweep.false_localized, sweep.right_after_m, color=style.colour,
-            linestyle=style.dashes, linewidth=1.6, label=method,
+            linestyle=style.dashes, linewidth=max(1.2, 3.0 - 0.6 * i), marker=style.marker,
+            markersize=4, markevery=[THRESHOLDS.index(t) for t in _NAMED], label=method,
         )  # fmt: skip
         for threshold in _NAMED:
             at = THRESHOLDS.index(threshold)
-            point = (sweep.false_localized[at], sweep.right_after_m[at])
-            axes.plot(*point, marker=style.marker, markersize=3.5, color=style.colour)
             axes.annotate(
-                f"{threshold:g}", point, xytext=(4, 3), textcoords="offset points", fontsize=6.5,
-                color=MUTED,
+                f"{threshold:g}", (sweep.false_localized[at], sweep.right_after_m[at]),
+                xytext=(4, 3), textcoords="offset points", fontsize=6.5, color=MUTED,
             )  # fmt: skip
         _own_rule(axes, chosen, style)
     axes.set_xlim(-0.02, 1.02)
@@ -376,7 +383,7 @@ def _ends(interval: Interval) -> Any:  # noqa: ANN401 - as errorbar wants them
 
 def _panels(n: int, height_in: float) -> tuple[Figure, list[Axes]]:
     """Return small pictures side by side, as many as there are methods."""
-    columns = min(_COLUMNS, max(1, n))
+    columns = 2 if n == 4 else min(_COLUMNS, max(1, n))
     rows = max(1, math.ceil(n / columns))
     figure = new_figure(3.0 * columns + 0.6, height_in * rows + 0.4)
     grid = figure.subplots(rows, columns, sharey=True, squeeze=False)

@@ -15,10 +15,19 @@ from typing import Any, Final
 from matplotlib.figure import Figure
 
 from palms.evaluation import charts
+from palms.evaluation.bootstrap import aggregate
 from palms.evaluation.curves import Records, sampled_reliability, worst_trials
 from palms.evaluation.experiment import Experiment, Subject, finite
 from palms.evaluation.sensitivity import Effect
-from palms.evaluation.tables import HEADLINE, LEGEND, PAPER, by_method, table_rows
+from palms.evaluation.tables import (
+    HEADLINE,
+    LEGEND,
+    PAPER,
+    Column,
+    by_method,
+    table_rows,
+    units_of,
+)
 from palms.evaluation.worst import case_figure, rerun, rerun_command
 from palms.io import Case, write_text
 from palms.plot.output import image_bytes
@@ -48,9 +57,9 @@ h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; }
 h3 { font-size: 1.05rem; margin-top: 1.6rem; }
 p, figcaption { max-width: 50rem; }
 .verdict { font-size: 1.15rem; border-left: 0.3rem solid #0072b2; padding-left: 0.8rem; }
-table { border-collapse: collapse; margin: 0.5rem 0; font-size: 0.92rem; }
+table { border-collapse: collapse; margin: 0.5rem 0; font-size: 0.9rem; }
 caption { text-align: left; font-style: italic; padding: 0.2rem 0; }
-th, td { border-bottom: 1px solid var(--line); padding: 0.3rem 0.9rem 0.3rem 0; text-align: left;
+th, td { border-bottom: 1px solid var(--line); padding: 0.3rem 0.7rem 0.3rem 0; text-align: left;
   font-variant-numeric: tabular-nums; vertical-align: top; }
 .interval { display: block; font-size: 0.82em; opacity: 0.8; white-space: nowrap; }
 .wide { overflow-x: auto; }
@@ -58,7 +67,8 @@ figure { margin: 1rem 0; }
 img { max-width: 100%; height: auto; background: #ffffff; border-radius: 6px; padding: 6px;
   box-sizing: border-box; }
 figcaption { font-size: 0.92rem; }
-pre { background: var(--soft); padding: 0.7rem; overflow-x: auto; border-radius: 6px; }
+pre { background: var(--soft); padding: 0.7rem; border-radius: 6px; white-space: pre-wrap;
+  overflow-wrap: anywhere; }
 summary { cursor: pointer; }
 </style>
 </head>
@@ -183,14 +193,15 @@ def _verdict(findings: Findings) -> str:
     method = findings.main
     if not method:
         return "No trials."
-    rows = table_rows(findings.by_method[method], HEADLINE[:4])
-    told = dict(zip(rows[0], rows[1], strict=True))
-    false, metres = told["false_localized"], told["m to right declaration"]
-    if false == "-":
+    chosen = findings.by_method[method]
+    figures = aggregate(chosen, units_of(chosen), ("false_localized", "right_after_m_full"))
+    false, metres = figures["false_localized"], figures["right_after_m_full"]
+    if not false.n:
         return f"{method} never says that it is localized."
+    share = Column("", "false_localized", 100, 0).cell(figures)
     return (
-        f"{method}: wrong on {false} of the metres on which it says that it is localized "
-        f"(false_localized), and {metres} m to a right declaration."
+        f"When {method} says that it is localized, it is wrong on {share} % of the metres "
+        f"(false_localized); it comes to a right declaration after {metres:.0f} m."
     )
 
 
@@ -228,7 +239,8 @@ def _figures(findings: Findings) -> Iterator[str]:
          "Metres to a right declaration against false_localized, a line for each method, if it "
          "declared whenever p_within_2m is at least a threshold; small numbers name some. Large "
          "marks with intervals: what the method's own rule leads to. Towards the lower left is "
-         "better; trials without a right declaration count with their walk's full length."),
+         "better. Means over trials: false_localized over those that declare, metres over all, "
+         "with the walk's full length where there is no right declaration."),
         ("reliability", "Whether probabilities come true", charts.reliability_figure(records),
          "Share that came true against stated p_within_1m in bins of a tenth, from one random "
          "step of each trial, with 95 % intervals; on the dotted diagonal they agree. Grey bars: "
@@ -348,7 +360,9 @@ def _picture(figure: Figure, words: str, dpi: float = _DPI) -> str:
 
 def _table(caption: str, rows: Sequence[Sequence[str]]) -> str:
     head, *body = rows
-    columns = "".join(f'<th scope="col">{escape(name)}</th>' for name in head)
+    columns = "".join(
+        f'<th scope="col">{escape(name).replace("_", "_<wbr>")}</th>' for name in head
+    )
     lines = [
         f'<tr><th scope="row">{escape(row[0])}</th>'
         + "".join(f"<td>{_cell(each)}</td>" for each in row[1:])

@@ -34,7 +34,7 @@ from palms.plot.style import (
 __all__ = ["case_figure", "rerun", "rerun_command"]
 
 _JUMP_M: Final = 3.0  # an answer that moves farther in one step was not walked
-_WIDTHS: Final = {Stage.SEARCHING: 0.7, Stage.ORIENTED: 0.9, Stage.LOCALIZED: 2.0, Stage.LOST: 1.2}
+_WIDTHS: Final = {Stage.SEARCHING: 1.1, Stage.ORIENTED: 1.2, Stage.LOCALIZED: 2.0, Stage.LOST: 1.3}
 
 
 def rerun_command(experiment: Experiment, case: Case, method: str, seed: int) -> str:
@@ -104,11 +104,9 @@ def case_figure(plan: FloorPlan, track: Track, truth_m: FloatArray) -> Figure:
     axes.plot(truth_m[:, 0], truth_m[:, 1], color=TRUTH, linewidth=3.6, alpha=0.75, zorder=3)
     entries = [legend_line(TRUTH, 3.6, "true path")]
     stages = _draw_answers(axes, track)
-    entries += [
-        legend_line(ANSWER, max(1.1, _WIDTHS[s]), f"answer, {s}", STAGE_LINES[s]) for s in stages
-    ]
+    entries += [legend_line(ANSWER, _WIDTHS[s], f"answer, {s}", STAGE_LINES[s]) for s in stages]
     entries += _mark_ends(axes, track, truth_m)
-    figure.legend(handles=entries, loc="outside lower center", ncols=4, fontsize=7.5)
+    figure.legend(handles=entries, loc="outside lower center", ncols=4, fontsize=8)
     return figure
 
 
@@ -124,7 +122,7 @@ def _draw_answers(axes: Axes, track: Track) -> list[Stage]:
             path = position[stretch]
             axes.plot(
                 path[:, 0], path[:, 1], color=ANSWER, linewidth=_WIDTHS[stage],
-                linestyle=STAGE_LINES[stage], alpha=1.0 if stage is Stage.LOCALIZED else 0.7,
+                linestyle=STAGE_LINES[stage], alpha=1.0 if stage is Stage.LOCALIZED else 0.85,
                 zorder=4 + (stage is Stage.LOCALIZED),
             )  # fmt: skip
             drawn.add(stage)

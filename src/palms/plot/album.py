@@ -24,8 +24,7 @@ from palms.plot.empty_space import (
 from palms.plot.output import image_bytes, write_bytes
 from palms.plot.pipeline import pipeline_figure
 from palms.plot.plans import plan_figure
-from palms.plot.recorder import MOMENTS
-from palms.plot.stages import moment_words, stages_figure
+from palms.plot.stages import moment_words, moments_of, stages_figure
 from palms.plot.story import Story
 from palms.plot.style import degrees
 from palms.plot.tracks import track_figure
@@ -183,10 +182,12 @@ def _of_animation(story: Story) -> str:
 
 def _of_stages(story: Story) -> str:
     told = []
-    for moment in MOMENTS:
-        snapshot = story.recorder.moment(moment)
+    shown = moments_of({"": story})
+    for moment in shown:
+        snapshot = story.snapshot(moment)
         words = "never came" if snapshot is None else moment_words(story, snapshot)
-        told.append(f"{moment}: {words}")
+        name = {"half": "half way there", "t2": "t2" if "t1" in shown else "t1 and t2"}
+        told.append(f"{name.get(moment, moment)}: {words}")
     return "Particles on the plan at four moments. " + "; ".join(told) + "."
 
 

@@ -28,7 +28,7 @@ from palms.plot.style import (
     truth_mark,
 )
 
-__all__ = ["draw_moment", "moment_words", "stages_figure"]
+__all__ = ["draw_moment", "moment_words", "moments_of", "stages_figure"]
 
 _TITLES: Final = {
     "start": "start",
@@ -82,8 +82,7 @@ def stages_figure(stories: Mapping[str, Story], moments: Sequence[str] | None = 
         raise InputError("stages figure", expected="at least one method", got="none")
     width, height = next(iter(stories.values())).plan.size_m
     together = _together(stories)
-    if moments is None:
-        moments = ("start", "half", "t2", "end") if together else MOMENTS
+    moments = moments_of(stories) if moments is None else moments
     across = 12.4 / len(moments)
     panel = across / float(np.clip(width / max(height, 1e-6), 0.6, 2.5)) + 0.75
     figure = new_figure(13.0, len(stories) * panel + 0.6)
@@ -96,10 +95,16 @@ def stages_figure(stories: Mapping[str, Story], moments: Sequence[str] | None = 
             fontsize=11,
         )  # fmt: skip
     for axes, moment in zip(table[0], moments, strict=True):
-        axes.set_title("$t_1 = t_2$: localized" if together and moment == "t2" else _TITLES[moment])
+        both = together and moment == "t2" and "t1" not in moments
+        axes.set_title("$t_1 = t_2$: localized" if both else _TITLES[moment])
     entries = _entries(stories)
     figure.legend(handles=entries, loc="outside lower center", ncols=len(entries))
     return figure
+
+
+def moments_of(stories: Mapping[str, Story]) -> tuple[str, ...]:
+    """Return the columns of the figure: one less where t1 and t2 coincide, and half way there."""
+    return ("start", "half", "t2", "end") if _together(stories) else MOMENTS
 
 
 def _together(stories: Mapping[str, Story]) -> bool:

@@ -185,12 +185,12 @@ def _metres_panel(axes: Axes, track: Track, error_m: FloatArray | None) -> None:
 
 def _share_panel(axes: Axes, track: Track) -> None:
     time = _times(track)
-    share = np.array([estimate.p_within_1m for estimate in track])
+    share = np.array([estimate.p_within_2m for estimate in track])
     axes.fill_between(time, share, step=None, color="#c9dff0", linewidth=0)
-    axes.plot(time, share, color=SCAN, linewidth=1.2, label="within 1 m")
+    axes.plot(time, share, color=SCAN, linewidth=1.2, label="within 2 m")
     axes.set_ylim(0.0, 1.04)
     axes.set_yticks([0.0, 0.5, 1.0], ["0", "50 %", "100 %"])
-    axes.set_ylabel("probability\nwithin 1 m")
+    axes.set_ylabel("probability\nwithin 2 m")
     axes.set_xlabel("time in s")
     _tidy(axes, time)
 
@@ -205,12 +205,15 @@ def _tidy(axes: Axes, time: FloatArray) -> None:
 def _mark_stages(axes: Axes, track: Track) -> None:
     """Mark t1 and t2 by vertical lines; words only where they do not coincide."""
     first, second = track.oriented_at_s, track.localized_at_s
-    marks = [(first, "oriented", STAGE_LINES[Stage.ORIENTED])] if first != second else []
-    marks.append((second, "localized", STAGE_LINES[Stage.LOCALIZED]))
+    marks = [(first, "oriented, $t_1$", STAGE_LINES[Stage.ORIENTED])] if first != second else []
+    word = "localized, $t_2$" if marks else "localized, $t_1 = t_2$"
+    marks.append((second, word, STAGE_LINES[Stage.LOCALIZED]))
     for at, word, dashes in marks:
         if at is None:
             continue
-        axes.axvline(at, color=MUTED, linewidth=1.0, linestyle=dashes, gid=f"at-{word}")
+        axes.axvline(
+            at, color=MUTED, linewidth=1.0, linestyle=dashes, gid=f"at-{word.split(',')[0]}"
+        )
         if axes.get_yscale() == "log":
             axes.annotate(
                 word, (at, 0.0), xycoords=("data", "axes fraction"), xytext=(3, 4),

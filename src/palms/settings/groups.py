@@ -51,7 +51,7 @@ class RasterSettings:
     """
 
     cell_size_m: float = 0.1
-    margin_m: float = 1.0
+    margin_m: float = 2.0
     wall_weight: float = 1.0
     door_weight: float = 0.5
     opening_weight: float = 0.0
