@@ -107,6 +107,7 @@ def test_ctrl_c_is_calm_and_the_same_command_goes_on(palms, tmp_path, jobs, monk
     monkeypatch.setattr("palms.evaluation.report.write_experiment_report", lambda *_: None)
     out = tmp_path / "r"
     words = ["bench", SAMPLE, "--methods", "uniform", "--trials", 30, "--particles", 200]
+    alone = [str(word) for word in (*words, "--out", tmp_path / "through")]
     words = [str(word) for word in (*words, "--jobs", jobs, "--out", out)]
     process = subprocess.Popen(
         [sys.executable, "-m", "palms", *words], start_new_session=True, text=True,
@@ -124,8 +125,9 @@ def test_ctrl_c_is_calm_and_the_same_command_goes_on(palms, tmp_path, jobs, monk
     result = palms(*words)
     assert result.exit_code == 0, result.output
     assert result.stderr == f"going on: {saved} of 30 trials are done\n"
-    through = tmp_path / "through"
-    assert palms(*words[:-1], through).exit_code == 0
-    assert (through / "results.json").read_bytes() == (out / "results.json").read_bytes()
+    assert palms(*alone).exit_code == 0
+    assert (tmp_path / "through" / "results.json").read_bytes() == (
+        out / "results.json"
+    ).read_bytes()
     seeds = [trial["seed"] for trial in json.loads((out / "results.json").read_text())["trials"]]
     assert len(set(seeds)) == 30

@@ -1,5 +1,6 @@
 """Whoever does the work, however it is stopped: the same bytes."""
 
+import multiprocessing
 import os
 import signal
 import socket
@@ -89,23 +90,22 @@ def test_nothing_but_the_trials_in_flight_is_lost(experiment, expected, tmp_path
 
 
 def test_a_dead_worker_is_said_and_the_rest_goes_on(experiment, expected, tmp_path):
-    import multiprocessing
-
     def kill_one(_n):
         multiprocessing.active_children()[0].kill()
 
     with pytest.raises(PalmsError, match="a worker process died; run the same command again"):
         run_into(tmp_path, experiment, jobs=2, progress=kill_one)
     assert lines_of(tmp_path) >= BATCH
-    assert run_into(tmp_path, experiment, jobs=2) == expected
+    assert run_into(tmp_path, experiment) == expected
 
 
-def test_an_error_in_a_worker_arrives_as_it_is(experiment, tmp_path):
+def test_an_error_ends_the_workers_and_arrives_as_it_is(experiment, tmp_path):
     def broken(_n):
         raise InputError("scan", expected="walls", got="none")
 
     with pytest.raises(InputError, match="scan: expected walls"):
         run_into(tmp_path, experiment, jobs=2, progress=broken)
+    wait_for(lambda: not multiprocessing.active_children(), 10.0)
 
 
 @pytest.fixture(scope="module")
