@@ -60,9 +60,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not set(given) <= set(known):
             parser.error(f"--{name}: expected some of {', '.join(known)}; got {', '.join(given)}")
     plan = Plan(options.methods, options.floors, options.frames, options.seeds, options.walks)
+    content = as_json(plan)
     trials = _watched(plan, options.jobs)
     options.out.mkdir(parents=True, exist_ok=True)
-    write_json(options.out / "results.json", as_json(plan, trials))
+    write_json(options.out / "results.json", {**content, "trials": trials})
     walks = len({trial["walk"] for trial in trials})
     title = f"Mall, {walks} walks on {', '.join(plan.floors)}, {plan.seeds} seeds"
     write_text(options.out / "table.md", markdown(trials, title))

@@ -57,8 +57,11 @@ def _run_task(task: Task) -> list[dict[str, Any]]:
     return list(run_trials(case, method, range(seeds)))
 
 
-def as_json(plan: Plan, trials: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the results in the schema palms-bench/1."""
-    content = real_as_json(plan, trials)
+def as_json(plan: Plan) -> dict[str, Any]:
+    """Return the results in the schema palms-bench/1, without trials yet.
+
+    Call it before the run: it holds a digest of the source, which may change meanwhile.
+    """
+    content = real_as_json(plan, [])
     content["settings"]["benchmark"] = "mall"
     return content

@@ -51,7 +51,7 @@ class PlanRaster:
     >>> square = [[[0, 0], [4, 0]], [[4, 0], [4, 4]], [[4, 4], [0, 4]], [[0, 4], [0, 0]]]
     >>> raster = rasterize(FloorPlan(square))
     >>> raster.grid.shape, bool(raster.inside[30, 30]), bool(raster.inside[2, 2])
-    ((60, 60), True, False)
+    ((80, 80), True, False)
     """
 
     plan: FloorPlan

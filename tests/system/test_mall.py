@@ -120,7 +120,7 @@ def test_methods_without_a_scan_run_in_one_frame_only(bench):
     assert [task[2:4] for task in plan.tasks()] == [
         ("scan", "paper"), ("scan", "uniform"), ("own", "paper"),
     ]  # fmt: skip
-    assert bench["run"].as_json(plan, [])["settings"]["benchmark"] == "mall"
+    assert bench["run"].as_json(plan)["settings"]["benchmark"] == "mall"
 
 
 @needs_data

@@ -5,16 +5,11 @@ The records are the same whoever runs them; only their order of arrival differs.
 
 from __future__ import annotations
 
-import os
-import signal
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
-from concurrent.futures.process import BrokenProcessPool
+from collections.abc import Callable, Generator, Sequence
+from contextlib import closing
 from functools import lru_cache
 from importlib import import_module
 from itertools import islice
-from multiprocessing import active_children, get_context, parent_process
-from threading import Thread
 from typing import Any
 
 from palms.errors import InputError, PalmsError
@@ -26,6 +21,7 @@ from palms.evaluation.experiment import (
     Subject,
     run_batch,
 )
+from palms.evaluation.processes import in_processes
 from palms.io import Case
 
 __all__ = ["run_experiment"]
@@ -73,13 +69,15 @@ def run_experiment(
     if cluster is not None:
         arriving = _on_cluster(experiment, batches, load, cluster)
     elif jobs > 1:
-        arriving = _in_processes(experiment, batches, load, jobs)
+        tasks = ((load(batch), batch, experiment) for batch in batches)
+        arriving = in_processes(run_batch, tasks, jobs, GO_ON)
     else:
         arriving = (run_batch(load(batch), batch, experiment) for batch in batches)
-    for records in arriving:
-        journal.append(records)
-        if progress is not None:
-            progress(len(records))
+    with closing(arriving):  # whatever happens here, nobody works on for nothing
+        for records in arriving:
+            journal.append(records)
+            if progress is not None:
+                progress(len(records))
 
 
 def _loader(cases: dict[tuple[str, str], Case], source: str) -> Loader:
@@ -90,48 +88,9 @@ def _loader(cases: dict[tuple[str, str], Case], source: str) -> Loader:
     return lambda batch: read(batch.scene, batch.walk)
 
 
-def _in_processes(
-    experiment: Experiment, batches: Sequence[Batch], load: Loader, jobs: int
-) -> Iterator[list[Record]]:
-    queue, waiting = iter(batches), set[Future[list[Record]]]()
-    others, finished = set(active_children()), False
-    pool = ProcessPoolExecutor(jobs, get_context("spawn"), _start_worker)
-    try:
-        while True:
-            for batch in islice(queue, AHEAD * jobs - len(waiting)):
-                waiting.add(pool.submit(run_batch, load(batch), batch, experiment))
-            if not waiting:
-                finished = True
-                return
-            done, waiting = wait(waiting, return_when=FIRST_COMPLETED)
-            for future in done:
-                yield future.result()
-    except BrokenProcessPool:
-        raise PalmsError("a worker process died", fix=GO_ON) from None
-    finally:
-        workers = set(active_children()) - others
-        pool.shutdown(wait=finished, cancel_futures=True)
-        if not finished:
-            for worker in workers:  # stopped or failed: nobody waits for what they do
-                worker.terminate()
-
-
-def _start_worker() -> None:
-    """Leave Ctrl-C to the parent, and end when it does, however it does."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    Thread(target=_leave_with_parent, daemon=True).start()
-
-
-def _leave_with_parent() -> None:
-    parent = parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
-
-
 def _on_cluster(
     experiment: Experiment, batches: Sequence[Batch], load: Loader, address: str
-) -> Iterator[list[Record]]:
+) -> Generator[list[Record], None, None]:
     try:
         distributed: Any = import_module("distributed")
     except ImportError:
