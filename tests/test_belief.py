@@ -99,6 +99,13 @@ def test_a_summary_says_how_sure_it_is():
     assert estimate.hypotheses[0].x_m == pytest.approx(0, abs=0.1)
 
 
+@pytest.mark.parametrize("n", [7, 999, 2000, 2001])
+def test_probabilities_do_not_exceed_one(n):
+    particles = cloud([[0, 0]], [n], [0])
+    estimate = summarize(Belief(particles), 0.0, None)
+    assert estimate.p_within_1m <= estimate.p_within_2m <= 1.0
+
+
 def test_no_belief_is_a_normal_value():
     nothing = Estimate(3.0)
     assert not nothing.is_localized

@@ -236,7 +236,8 @@ def summarize(
     heading = None if heading_odom_rad is None else float(wrap_angle(heading_odom_rad + drift))
     return Estimate(
         time_s, belief.stage, answer, heading, drift,
-        clusters.weight_within(away, weight, 1.0), clusters.weight_within(away, weight, 2.0),
+        min(clusters.weight_within(away, weight, 1.0), 1.0),  # weights sum to 1 but for rounding
+        min(clusters.weight_within(away, weight, 2.0), 1.0),
         clusters.weighted_quantile(away, weight, 0.68),
         clusters.weighted_quantile(away, weight, 0.95),
         hypotheses(particles, settings.hypotheses, settings.hypothesis_radius_m),
