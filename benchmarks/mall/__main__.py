@@ -23,7 +23,7 @@ from palms.settings import METHODS
 
 ROWS = ("uniform", "uniform-ori", "paper", "authors", "palms", "no-scan")
 EXAMPLE = """example:
-  python -m benchmarks.mall --methods paper,uniform --seeds 3 --jobs 2 --out /tmp/mall"""
+  python -m benchmarks.mall --methods paper,uniform --seeds 3 --jobs 2 --out results/mall"""
 
 
 def _names(text: str) -> tuple[str, ...]:

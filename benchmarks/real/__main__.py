@@ -22,8 +22,8 @@ from palms.io import write_json, write_text
 from palms.settings import METHODS
 
 EXAMPLE = """examples:
-  python -m benchmarks.real --methods paper,uniform --seeds 3 --jobs 2 --out /tmp/real
-  python -m benchmarks.real --write-case intel 48 /tmp/case"""
+  python -m benchmarks.real --methods paper,uniform --seeds 3 --jobs 2 --out results/real
+  python -m benchmarks.real --write-case intel 48 results/case"""
 
 
 def _names(text: str) -> tuple[str, ...]:

@@ -9,7 +9,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from html import escape
 from pathlib import Path
-from string import Template
 from typing import Any, Final
 
 from matplotlib.figure import Figure
@@ -31,6 +30,7 @@ from palms.evaluation.tables import (
 from palms.evaluation.worst import case_figure, rerun, rerun_command
 from palms.io import Case, write_text
 from palms.plot.output import image_bytes
+from palms.plot.page import html_page
 from palms.plot.report import installed_versions
 
 __all__ = ["Findings", "experiment_report", "machine", "write_experiment_report"]
@@ -39,50 +39,10 @@ MAIN: Final = ("palms", "paper")  # whose worst cases are shown, the first that 
 _DPI: Final = 120.0
 _MAP_DPI: Final = 90.0
 
-_PAGE: Final = Template("""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>$title</title>
-<style>
-:root { color-scheme: light dark;
-  --ink: #1c1c1c; --paper: #ffffff; --line: #d0d0d0; --soft: #f3f3f3; }
-@media (prefers-color-scheme: dark) {
-  :root { --ink: #e9e9e9; --paper: #16181b; --line: #474b50; --soft: #22262b; }
-}
-body { margin: 0 auto; max-width: 70rem; padding: 1.5rem; background: var(--paper);
-  color: var(--ink); font: 1rem/1.5 system-ui, sans-serif; }
-h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; }
-h3 { font-size: 1.05rem; margin-top: 1.6rem; }
-p, figcaption { max-width: 50rem; }
-.verdict { font-size: 1.15rem; border-left: 0.3rem solid #0072b2; padding-left: 0.8rem; }
-table { border-collapse: collapse; margin: 0.5rem 0; font-size: 0.9rem; }
-caption { text-align: left; font-style: italic; padding: 0.2rem 0; }
-th, td { border-bottom: 1px solid var(--line); padding: 0.3rem 0.7rem 0.3rem 0; text-align: left;
-  font-variant-numeric: tabular-nums; vertical-align: top; }
-.interval { display: block; font-size: 0.82em; opacity: 0.8; white-space: nowrap; }
-.wide { overflow-x: auto; }
-figure { margin: 1rem 0; }
-img { max-width: 100%; height: auto; background: #ffffff; border-radius: 6px; padding: 6px;
-  box-sizing: border-box; }
-figcaption { font-size: 0.92rem; }
-pre { background: var(--soft); padding: 0.7rem; border-radius: 6px; white-space: pre-wrap;
-  overflow-wrap: anywhere; }
-summary { cursor: pointer; }
-</style>
-</head>
-<body>
-<header>
-<h1>$title</h1>
-<p class="verdict">$verdict</p>
-</header>
-<main>
-$sections
-</main>
-</body>
-</html>
-""")
+_STYLE: Final = """
+table { font-size: 0.9rem; }
+p { max-width: 50rem; }
+.interval { display: block; font-size: 0.82em; opacity: 0.8; white-space: nowrap; }"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,9 +123,7 @@ def experiment_report(findings: Findings) -> str:
         *_worst(findings),
         _made(findings),
     ]
-    return _PAGE.substitute(
-        title=escape(title), verdict=escape(_verdict(findings)), sections="\n".join(sections)
-    )
+    return html_page(title, [_verdict(findings)], "\n".join(sections), _STYLE)
 
 
 def machine() -> dict[str, str]:

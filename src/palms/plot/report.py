@@ -17,6 +17,7 @@ import numpy as np
 from palms.belief import Estimate
 from palms.plot.album import Picture, make_album
 from palms.plot.output import write_bytes
+from palms.plot.page import html_page
 from palms.plot.recorder import MOMENTS
 from palms.plot.story import Story
 from palms.plot.style import degrees
@@ -33,47 +34,11 @@ _SOURCES: Final = {"vio": "visual-inertial", "inertial": "inertial"}
 _WIDE: Final = ("stages.png", "pipeline.png", "empty-space.png")  # scrolled on a phone
 _FOLDED: Final = (".gif",)  # moves: shown when asked for
 
-_PAGE: Final = Template("""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>$title</title>
-<style>
-:root { color-scheme: light dark;
-  --ink: #1c1c1c; --paper: #ffffff; --line: #d0d0d0; --soft: #f3f3f3; }
-@media (prefers-color-scheme: dark) {
-  :root { --ink: #e9e9e9; --paper: #16181b; --line: #474b50; --soft: #22262b; }
-}
-body { margin: 0 auto; max-width: 70rem; padding: 1.5rem; background: var(--paper);
-  color: var(--ink); font: 1rem/1.5 system-ui, sans-serif; }
-h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; }
-.verdict { font-size: 1.15rem; border-left: 0.3rem solid #0072b2; padding-left: 0.8rem; }
-.verdict p { margin: 0.3rem 0; }
-table { border-collapse: collapse; margin: 0.5rem 0; }
-caption { text-align: left; font-style: italic; padding: 0.2rem 0; }
-th, td { border-bottom: 1px solid var(--line); padding: 0.3rem 0.9rem 0.3rem 0; text-align: left;
-  font-variant-numeric: tabular-nums; vertical-align: top; }
+_STYLE: Final = """
 thead th, td.short, tbody th { white-space: nowrap; }
-.wide { overflow-x: auto; }
-.wide img { max-width: none; width: 100%; min-width: 46rem; }
-figure { margin: 1rem 0; }
-img { max-width: 100%; height: auto; background: #ffffff; border-radius: 6px; padding: 6px;
-  box-sizing: border-box; }
-figcaption { font-size: 0.92rem; max-width: 50rem; }
-pre { background: var(--soft); padding: 0.7rem; overflow-x: auto; border-radius: 6px; }
-summary { cursor: pointer; }
-</style>
-</head>
-<body>
-<header>
-<h1>$title</h1>
-<div class="verdict">
-$verdict
-</div>
-</header>
-<main>
-<section aria-labelledby="numbers">
+.wide img { max-width: none; width: 100%; min-width: 46rem; }"""
+
+_MAIN: Final = Template("""<section aria-labelledby="numbers">
 <h2 id="numbers">In numbers</h2>
 $moments
 $hypotheses
@@ -83,11 +48,7 @@ $figures
 <section aria-labelledby="how">
 <h2 id="how">How it was made</h2>
 $made
-</section>
-</main>
-</body>
-</html>
-""")
+</section>""")
 
 
 def installed_versions() -> dict[str, str]:
@@ -188,17 +149,15 @@ def report_html(
     """
     details = details or Details()
     album = make_album(story) if album is None else album
-    return _PAGE.substitute(
-        title=escape(details.title or f"A walk through {story.plan.name}"),
-        verdict="\n".join(
-            f"<p>{escape(sentence)}</p>" for sentence in details.summary or (_verdict(story),)
-        ),
+    main = _MAIN.substitute(
         moments=_moments(story),
         hypotheses=_hypotheses(story),
         facts=_table("The walk", {**_facts(story), **details.notes}),
         figures="\n".join(_figure(picture) for picture in album),
         made="\n".join(_made(story, details)),
     )
+    title = details.title or f"A walk through {story.plan.name}"
+    return html_page(title, details.summary or (_verdict(story),), main, _STYLE)
 
 
 def _verdict(story: Story) -> str:
