@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -55,7 +56,7 @@ class Hypothesis(NamedTuple):
     drift_rad: float
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Belief:
     """Particles and the verdict on them.
 
@@ -80,14 +81,14 @@ class Belief:
     answering: npt.NDArray[np.bool_] | None = None
     age: int = 0
 
-    @property
+    @cached_property
     def answer_m(self) -> FloatArray:
         """The best single answer (2,): the mean of the answering particles."""
         if self.answering is not None and not self.answering.any() and self.mode_m is not None:
             return self.mode_m
         return self.particles.mean_m(self.answering)
 
-    @property
+    @cached_property
     def drift_rad(self) -> float:
         """Mean drift of the answering particles, in (-pi, pi]."""
         p, answering = self.particles, self.answering

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,6 +15,17 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import PercentFormatter, StrMethodFormatter
 
 from palms.evaluation.bootstrap import Interval, aggregate
+from palms.evaluation.chart_parts import (
+    MethodStyle,
+    add_legend,
+    as_shares,
+    error_bars,
+    mark_vertical,
+    name_rows,
+    panels_for,
+    style_of,
+    tidy,
+)
 from palms.evaluation.curves import (
     THRESHOLDS,
     ErrorCdf,
@@ -28,7 +39,7 @@ from palms.evaluation.curves import (
 from palms.evaluation.metrics import NEAR_M, WRONG_M
 from palms.evaluation.sensitivity import FIGURES, Effect
 from palms.evaluation.tables import units_of
-from palms.plot.style import ANSWER, INK, MUTED, TRUTH, Dashes, new_figure, styled
+from palms.plot.style import ANSWER, INK, MUTED, TRUTH, new_figure, styled
 
 __all__ = [
     "cdf_figure",
@@ -41,36 +52,12 @@ __all__ = [
 
 ByMethod = Mapping[str, Records]
 
-_GRID: Final = "#e3e3e3"
-_COLUMNS: Final = 3  # small pictures side by side
 _SMALLEST_M: Final = 0.05  # errors are drawn on a scale that begins here
 _NAMED: Final = (0.5, 0.8, 0.95)  # thresholds with a word
 _WORDS: Final = {
     "false_localized": "false_localized (less is better)",
     "useful": "useful (more is better)",
 }
-
-
-class _Style(NamedTuple):
-    colour: str
-    dashes: Dashes
-    marker: str
-
-
-_STYLES: Final = {
-    "palms": _Style(ANSWER, "solid", "o"),
-    "paper": _Style("#4aa3df", (0, (6, 1.6)), "s"),
-    "authors": _Style("#b0508c", (0, (7, 1.6, 1.4, 1.6)), "D"),
-    "uniform": _Style("#a8a8a8", (0, (1, 1.4)), "^"),
-    "uniform-ori": _Style("#8a5a00", (0, (2.6, 1.4)), "v"),
-    "no-scan": _Style(TRUTH, (0, (7, 1.4, 1.4, 1.4, 1.4, 1.4)), "P"),
-    "oracle": _Style(INK, (0, (4, 1, 1, 1)), "X"),
-}
-_OTHER: Final = _Style(MUTED, "solid", "h")
-
-
-def _style(method: str) -> _Style:
-    return _STYLES.get(method, _OTHER)
 
 
 @styled
@@ -108,16 +95,16 @@ def cdf_figure(records: ByMethod) -> Figure:
         axes.set_xlabel("error in m")
         axes.set_title(title)
         for limit, word in ((NEAR_M, "1 m"), (WRONG_M, "2 m")):
-            _vertical(axes, limit, word)
-        _shares_axis(axes)
+            mark_vertical(axes, limit, word)
+        as_shares(axes)
     left.set_ylabel("share of metres walked")
-    _legend(figure, left)
+    add_legend(figure, left)
     return figure
 
 
 def _cdf_line(axes: Axes, cdf: ErrorCdf, order: int, method: str) -> None:
     """Draw one line: those drawn later are thinner, so that none hides another."""
-    style, width = _style(method), max(1.3, 3.4 - 0.6 * order)
+    style, width = style_of(method), max(1.3, 3.4 - 0.6 * order)
     look: dict[str, Any] = {"color": style.colour, "markersize": 5, "markeredgecolor": "white"}
     axes.plot(
         [], [], linestyle=style.dashes, linewidth=width, marker=style.marker, label=method, **look
@@ -155,7 +142,7 @@ def shares_figure(records: ByMethod) -> Figure:
     >>> shares_figure({"paper": [{"series": series}]}).axes[0].get_title(loc="left")
     'paper'
     """
-    figure, panels = _panels(len(records), 2.5)
+    figure, panels = panels_for(len(records), 2.5)
     for (method, chosen), axes in zip(records.items(), panels, strict=True):
         shares = localized_shares(chosen)
         axes.fill_between(
@@ -168,10 +155,10 @@ def shares_figure(records: ByMethod) -> Figure:
         axes.set_title(method)
         axes.set_xlim(0.0, max(float(shares.walked_m[-1]), 1.0))
         axes.set_xlabel("metres walked")
-        _shares_axis(axes)
+        as_shares(axes)
     if panels:
         figure.supylabel("trials localized", fontsize=9)
-        _legend(figure, panels[0])
+        add_legend(figure, panels[0])
     return figure
 
 
@@ -195,7 +182,7 @@ def sweep_figure(records: ByMethod) -> Figure:
     figure = new_figure(7.6, 4.6)
     axes = figure.add_subplot()
     for i, (method, chosen) in enumerate(records.items()):
-        style, sweep = _style(method), threshold_sweep(chosen)
+        style, sweep = style_of(method), threshold_sweep(chosen)
         axes.plot(
             sweep.false_localized, sweep.right_after_m, color=style.colour,
             linestyle=style.dashes, linewidth=max(1.2, 3.0 - 0.6 * i), marker=style.marker,
@@ -212,12 +199,12 @@ def sweep_figure(records: ByMethod) -> Figure:
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("false_localized")
     axes.set_ylabel("metres to a right declaration")
-    _tidy(axes)
-    _legend(figure, axes)
+    tidy(axes)
+    add_legend(figure, axes)
     return figure
 
 
-def _own_rule(axes: Axes, chosen: Records, style: _Style) -> None:
+def _own_rule(axes: Axes, chosen: Records, style: MethodStyle) -> None:
     """Mark what the method's own rule leads to, with the intervals of both."""
     names = ("false_localized", "right_after_m_full")
     figures = aggregate(chosen, units_of(chosen), names)
@@ -225,7 +212,7 @@ def _own_rule(axes: Axes, chosen: Records, style: _Style) -> None:
     if math.isnan(x.value):
         return
     axes.errorbar(
-        x.value, y.value, xerr=_ends(x), yerr=_ends(y), fmt=style.marker, markersize=9,
+        x.value, y.value, xerr=error_bars(x), yerr=error_bars(y), fmt=style.marker, markersize=9,
         color=style.colour, markeredgecolor=INK, markeredgewidth=1.0, elinewidth=0.8, zorder=5,
     )  # fmt: skip
 
@@ -250,7 +237,7 @@ def reliability_figure(records: ByMethod) -> Figure:
     >>> reliability_figure({"paper": [record]}).axes[0].get_title(loc="left")
     'paper: Brier 0.003'
     """
-    figure, panels = _panels(len(records), 2.9)
+    figure, panels = panels_for(len(records), 2.9)
     for (method, chosen), axes in zip(records.items(), panels, strict=True):
         found = sampled_reliability(chosen)
         axes.plot([0, 1], [0, 1], color=MUTED, linewidth=0.9, linestyle=(0, (1, 1.6)))
@@ -262,24 +249,24 @@ def reliability_figure(records: ByMethod) -> Figure:
                 bins, 0.3 * n / n.sum(), 1 / len(n), align="edge", color="#dcdcdc",
                 edgecolor="white",
             )  # fmt: skip
-            _reliability_points(axes, found.stated, found.came_true, _style(method))
+            _reliability_points(axes, found.stated, found.came_true, style_of(method))
         axes.set_xlim(0, 1)
         axes.set_aspect("equal")
         axes.xaxis.set_major_formatter(PercentFormatter(1.0))
         axes.set_xlabel("stated")
-        _shares_axis(axes)
+        as_shares(axes)
     if panels:
         figure.supylabel("came true", fontsize=9)
     return figure
 
 
 def _reliability_points(
-    axes: Axes, stated: Any, came_true: Sequence[Interval], style: _Style  # noqa: ANN401
+    axes: Axes, stated: Any, came_true: Sequence[Interval], style: MethodStyle  # noqa: ANN401
 ) -> None:  # fmt: skip
     for x, interval in zip(stated, came_true, strict=True):
         if interval.n:
             axes.errorbar(
-                x, interval.value, yerr=_ends(interval), fmt=style.marker, markersize=5,
+                x, interval.value, yerr=error_bars(interval), fmt=style.marker, markersize=5,
                 color=style.colour, markeredgecolor=INK, markeredgewidth=0.6, elinewidth=1.0,
                 capsize=2.0, clip_on=False, zorder=5,
             )  # fmt: skip
@@ -308,12 +295,12 @@ def coverage_figure(records: ByMethod) -> Figure:
         name = f"coverage_{percent}"
         for row, (method, chosen) in enumerate(records.items()):
             found = aggregate(chosen, units_of(chosen), (name,))[name]
-            _dot(axes, found, row, _style(method))
+            _dot(axes, found, row, style_of(method))
         axes.axvline(percent / 100, color=INK, linewidth=1.0, linestyle=(0, (4, 1.6)))
         axes.set_xlim(0, 1)
         axes.xaxis.set_major_formatter(PercentFormatter(1.0))
         axes.set_title(f"Within the disc that should hold {percent} %")
-        _rows(axes, list(records))
+        name_rows(axes, list(records))
     return figure
 
 
@@ -348,7 +335,7 @@ def effects_figure(effects: Sequence[Effect]) -> Figure:
             axes.set_title(f"{method}: {_WORDS[name]}")
             for row, effect in enumerate(chosen):
                 _bar(axes, effect, row)
-            _rows(axes, [effect.nuisance for effect in chosen])
+            name_rows(axes, [effect.nuisance for effect in chosen])
     return figure
 
 
@@ -359,69 +346,15 @@ def _bar(axes: Axes, effect: Effect, row: int) -> None:
         row, effect.change, 0.55, before.value, facecolor="#f6d5d2" if worse else TRUTH,
         edgecolor=ANSWER if worse else TRUTH, hatch="////" if worse else None, linewidth=0.8,
     )  # fmt: skip
-    _dot(axes, after, row, _Style(INK, "solid", "|"))
+    _dot(axes, after, row, MethodStyle(INK, "solid", "|"))
     axes.axvline(before.value, color=INK, linewidth=1.0)
 
 
-def _dot(axes: Axes, interval: Interval, row: int, style: _Style) -> None:
+def _dot(axes: Axes, interval: Interval, row: int, style: MethodStyle) -> None:
     if math.isnan(interval.value):
         return
     axes.errorbar(
-        interval.value, row, xerr=_ends(interval), fmt=style.marker, markersize=7,
+        interval.value, row, xerr=error_bars(interval), fmt=style.marker, markersize=7,
         color=style.colour, markeredgecolor=INK, markeredgewidth=0.7, elinewidth=1.2, capsize=2.5,
         clip_on=False, zorder=5,
     )  # fmt: skip
-
-
-def _ends(interval: Interval) -> Any:  # noqa: ANN401 - as errorbar wants them
-    if math.isnan(interval.low):
-        return None
-    return [
-        [max(0.0, interval.value - interval.low)], [max(0.0, interval.high - interval.value)]
-    ]  # fmt: skip
-
-
-def _panels(n: int, height_in: float) -> tuple[Figure, list[Axes]]:
-    """Return small pictures side by side, as many as there are methods."""
-    columns = 2 if n == 4 else min(_COLUMNS, max(1, n))
-    rows = max(1, math.ceil(n / columns))
-    figure = new_figure(3.0 * columns + 0.6, height_in * rows + 0.4)
-    grid = figure.subplots(rows, columns, sharey=True, squeeze=False)
-    panels = list(grid.ravel())
-    for empty in panels[n:]:
-        empty.remove()
-    return figure, panels[:n]
-
-
-def _vertical(axes: Axes, at: float, word: str) -> None:
-    axes.axvline(at, color=MUTED, linewidth=0.8, linestyle=(0, (4, 1.6)), zorder=1)
-    axes.annotate(
-        word, (at, 0.0), xycoords=("data", "axes fraction"), xytext=(2, 3),
-        textcoords="offset points", fontsize=7.5, color=MUTED,
-    )  # fmt: skip
-
-
-def _shares_axis(axes: Axes) -> None:
-    axes.set_ylim(0.0, 1.0)
-    axes.yaxis.set_major_formatter(PercentFormatter(1.0))
-    _tidy(axes)
-
-
-def _rows(axes: Axes, names: Sequence[str]) -> None:
-    axes.set_yticks(range(len(names)), names)
-    axes.set_ylim(len(names) - 0.4, -0.6)
-    _tidy(axes)
-    axes.grid(visible=False, axis="y")
-    axes.grid(axis="x", color=_GRID, linewidth=0.6)
-
-
-def _tidy(axes: Axes) -> None:
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.grid(axis="y", color=_GRID, linewidth=0.6)
-    axes.set_axisbelow(True)
-
-
-def _legend(figure: Figure, axes: Axes) -> None:
-    handles, labels = axes.get_legend_handles_labels()
-    if handles:
-        figure.legend(handles, labels, loc="outside lower center", ncols=5, handlelength=3.2)
