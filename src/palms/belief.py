@@ -72,6 +72,8 @@ class Belief:
         The particles whose mean is the answer.
     age : int
         Steps since the last clustering.
+    doubt : float
+        Probability that the particles do not hold the truth; 0 where nobody asks.
     """
 
     particles: Particles
@@ -80,6 +82,7 @@ class Belief:
     mode_m: FloatArray | None = None
     answering: npt.NDArray[np.bool_] | None = None
     age: int = 0
+    doubt: float = 0.0
 
     @cached_property
     def answer_m(self) -> FloatArray:
@@ -231,16 +234,16 @@ def summarize(
     """
     settings = settings or AnswerSettings()
     particles, answer, drift = belief.particles, belief.answer_m, belief.drift_rad
-    away = np.empty(len(particles))
+    away, sure = np.empty(len(particles)), 1 - belief.doubt
     clusters.distances(particles.position_m, answer[0], answer[1], away)
     weight = particles.weight
     heading = None if heading_odom_rad is None else float(wrap_angle(heading_odom_rad + drift))
     return Estimate(
         time_s, belief.stage, answer, heading, drift,
-        min(clusters.weight_within(away, weight, 1.0), 1.0),  # weights sum to 1 but for rounding
-        min(clusters.weight_within(away, weight, 2.0), 1.0),
-        clusters.weighted_quantile(away, weight, 0.68),
-        clusters.weighted_quantile(away, weight, 0.95),
+        sure * min(clusters.weight_within(away, weight, 1.0), 1.0),  # sums may exceed 1 by rounding
+        sure * min(clusters.weight_within(away, weight, 2.0), 1.0),
+        clusters.weighted_quantile(away, weight, min(0.68 / sure, 1.0)),
+        clusters.weighted_quantile(away, weight, min(0.95 / sure, 1.0)),
         hypotheses(particles, settings.hypotheses, settings.hypothesis_radius_m),
     )  # fmt: skip
 

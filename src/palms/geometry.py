@@ -25,6 +25,7 @@ __all__ = [
     "distance_to_segments",
     "lengths",
     "rotate",
+    "rotate_each",
     "wrap_angle",
 ]
 
@@ -131,6 +132,19 @@ def rotate(points: npt.ArrayLike, angle_rad: float) -> FloatArray:
     c, s = np.cos(angle_rad), np.sin(angle_rad)
     turned: FloatArray = np.asarray(points, dtype=np.float64) @ np.array([[c, s], [-s, c]])
     return turned
+
+
+def rotate_each(vector: npt.ArrayLike, angle_rad: FloatArray) -> FloatArray:
+    """Turn one vector (2,) counter-clockwise by each of N angles.
+
+    Examples
+    --------
+    >>> rotate_each([1.0, 0.0], np.array([0.0, np.pi / 2])).round(3).tolist()
+    [[1.0, 0.0], [0.0, 1.0]]
+    """
+    c, s = np.cos(angle_rad), np.sin(angle_rad)
+    x, y = np.asarray(vector, dtype=np.float64)
+    return np.stack([c * x - s * y, s * x + c * y], axis=1)
 
 
 def wrap_angle(angle_rad: npt.ArrayLike) -> Any:  # noqa: ANN401

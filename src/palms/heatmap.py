@@ -103,6 +103,10 @@ class Candidates:
         Natural logarithm of each cell's share; the shares sum to 1.
     mass : float
         Share of the whole belief that the kept cells stand for.
+    drift_step_rad : float
+        The true drift may lie half of this to either side.
+    log_mean : float
+        Logarithm of the mean likelihood over the prior; 0 where scores are no likelihoods.
     """
 
     grid: Grid
@@ -112,6 +116,8 @@ class Candidates:
     score: npt.NDArray[np.float32]
     log_weight: FloatArray
     mass: float = 1.0
+    drift_step_rad: float = 0.0
+    log_mean: float = 0.0
 
     def __len__(self) -> int:
         return len(self.cells)

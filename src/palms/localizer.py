@@ -2,22 +2,35 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
 from palms.belief import Belief, Estimate, Stage, settle, summarize
+from palms.declaration import judge
 from palms.errors import InputError
 from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
 from palms.heatmap import Candidates, find_candidates, match, scan_drifts
+from palms.observation import scan_points, search
 from palms.odometry import Move, Odometry
 from palms.orientation import candidate_drifts, principal_orientation, smallest_alignment
-from palms.particles import MoveInfo, Particles, advance, start_everywhere, start_from, with_scales
+from palms.particles import (
+    MoveInfo,
+    Particles,
+    advance,
+    start_everywhere,
+    start_from,
+    with_scales,
+)
+from palms.population import adapted, start_posterior
 from palms.randomness import RandomKey, as_key
 from palms.raster import PlanRaster, rasterize
+from palms.recovery import Conditions, Sighting, carried, look_again, look_elsewhere
 from palms.scan import Scan
 from palms.settings import Settings
 
@@ -25,6 +38,8 @@ __all__ = ["Localizer", "Track", "Watcher", "locate", "track", "track_trials"]
 
 Watcher = Callable[[Estimate, Belief, MoveInfo], None]
 _START = 0  # key of the start; step i has key i + 1
+_SEARCH, _SCAN, _ADAPT = 21, 22, 23  # purposes of random numbers
+_BY_SCAN = ("scan", "posterior")
 
 
 @dataclass(frozen=True)
@@ -76,7 +91,7 @@ class Track:
 def locate(
     plan: FloorPlan | PlanRaster, scan: Scan, settings: Settings | None = None
 ) -> Candidates:
-    """Return where one scan alone may have been taken (paper III-A to III-C).
+    """Return where one scan alone may have been taken (paper III-A to III-C, or ours).
 
     Parameters
     ----------
@@ -87,6 +102,8 @@ def locate(
     """
     settings = settings or Settings()
     raster = _raster(plan, settings)
+    if settings.start.source == "posterior":
+        return search(scan, raster, settings.observation)
     drifts_rad = scan_drifts(scan, raster, settings)
     return find_candidates(match(scan, raster, drifts_rad, settings.template), settings.candidates)
 
@@ -121,8 +138,8 @@ def track(
     """
     settings = settings or Settings()
     raster = _raster(plan, settings)
-    localizer = Localizer(raster, settings, rng, odometry.frame == "own", watch)
-    if scan is not None and settings.start.source == "scan":
+    localizer = Localizer(raster, settings, rng, odometry.frame == "own", watch, odometry.source)
+    if scan is not None and settings.start.source in _BY_SCAN:
         localizer.observe(scan, odometry.start_m)
     estimates = tuple(localizer.move(move) for move in odometry.moves())
     return Track(int(rng) if isinstance(rng, (int, np.integer)) else None, estimates)
@@ -147,11 +164,12 @@ def track_trials(
         Threads; the tracks do not depend on it.
     """
     raster = _raster(plan, settings)
-    needs_scan = scan is not None and settings.start.source == "scan"
+    needs_scan = scan is not None and settings.start.source in _BY_SCAN
     candidates = locate(raster, scan, settings) if scan is not None and needs_scan else None
 
     def follow(seed: int) -> Track:
-        localizer = Localizer(raster, settings, seed, odometry.frame == "own")
+        own = odometry.frame == "own"
+        localizer = Localizer(raster, settings, seed, own, source=odometry.source)
         if candidates is not None and scan is not None:
             localizer.start(candidates, scan, odometry.start_m)
         return Track(seed, tuple(localizer.move(move) for move in odometry.moves()))
@@ -176,6 +194,8 @@ class Localizer:
         Whether the odometry's frame is not the scan's.
     watch : callable, optional
         Receives (estimate, belief, info) after each move.
+    source : {"vio", "inertial"}
+        What makes the odometry.
 
     Attributes
     ----------
@@ -202,22 +222,26 @@ class Localizer:
         rng: int | np.random.Generator | RandomKey = 0,
         own_frame: bool = False,
         watch: Watcher | None = None,
+        source: Literal["vio", "inertial"] = "vio",
     ) -> None:
         self.settings = settings or Settings()
         self.raster = _raster(plan, self.settings)
         self.estimate = Estimate(0.0)
         self.belief: Belief | None = None
         self._key = as_key(rng)
-        self._own_frame = own_frame
         self._watch = watch
         self._step = 0
         self._heading: float | None = None
         self._waiting: list[Move] = []
+        motion = self.settings.motion_for(source)
+        self._conditions = Conditions(self.raster, self.settings, motion, own_frame)
+        self._sighting: Sighting | None = None
+        self._since_search_m = math.inf
         if self.settings.start.source == "uniform":
             self._begin(start_everywhere(self.raster, self._n, self._key.child(_START)))
 
     def observe(self, scan: Scan, at_m: FloatArray | None = None) -> Estimate:
-        """Take a scan: the first one starts the search.
+        """Take a scan: the first one starts the search; ours takes any number of them.
 
         Parameters
         ----------
@@ -225,16 +249,31 @@ class Localizer:
         at_m : array_like (2,), optional
             Where the phone is now, in the odom frame; the scan's position when left out.
         """
-        if self.settings.start.source != "scan":
+        if self.settings.start.source not in _BY_SCAN:
             return self.estimate
         return self.start(locate(self.raster, scan, self.settings), scan, at_m)
 
     def start(self, candidates: Candidates, scan: Scan, at_m: FloatArray | None = None) -> Estimate:
-        """Start from candidates that were found before; see `observe`."""
-        particles = start_from(candidates, self._n, self._key.child(_START), self._own_frame)
-        if at_m is not None:
-            particles = _shifted(particles, np.asarray(at_m) - scan.position_m)
-        return self._begin(particles)
+        """Take a scan whose candidates were found before; see `observe`."""
+        moved_m = np.zeros(2) if at_m is None else np.asarray(at_m, np.float64) - scan.position_m
+        if not self._ours:
+            key = self._key.child(_START)
+            return self._begin(
+                carried(start_from(candidates, self._n, key, self._conditions.own_frame), moved_m)
+            )
+        self._sighting = Sighting(candidates, moved_m)
+        points = scan_points(scan, self.settings.observation)
+        if self.belief is None:
+            particles = start_posterior(
+                candidates, points, self.raster, self.settings, self._key.child(_START),
+                self._conditions.own_frame,
+            )  # fmt: skip
+            return self._begin(carried(particles, moved_m))
+        self._step += 1
+        key = self._key.child(self._step, _SCAN)
+        self.belief = look_again(self.belief, self._sighting, points, self._conditions, key)
+        self.estimate = self._summary(self.estimate.time_s)
+        return self.estimate
 
     def move(self, move: Move) -> Estimate:
         """Take one move of the odometry and return where that leads."""
@@ -251,10 +290,17 @@ class Localizer:
     def _n(self) -> int:
         return self.settings.start.n_particles
 
+    @property
+    def _ours(self) -> bool:
+        return self.settings.declaration.rule == "probability"
+
     def _begin(self, particles: Particles) -> Estimate:
-        spread, key = self.settings.start.scale_sd, self._key.child(_START)
-        particles = with_scales(particles, spread, key)
+        particles = with_scales(particles, self._conditions.motion, self._key.child(_START))
         self.belief = Belief(particles)
+        if self._ours:
+            declaration = self.settings.declaration
+            unsure = replace(self.belief, doubt=declaration.doubt_at_start)
+            self.belief = judge(unsure, particles, 0.0, None, declaration)
         self.estimate = self._summary(self.estimate.time_s)
         return self.estimate
 
@@ -273,13 +319,33 @@ class Localizer:
             return self.estimate
         key = self._key.child(self._step)
         particles, info = advance(
-            self.belief.particles, move, self.raster, self.settings.motion, key
-        )
-        self.belief = settle(self.belief, particles, move, self.settings.convergence, key)
+            self.belief.particles, move, self.raster, self._conditions.motion, key,
+            self.settings.resampling,
+        )  # fmt: skip
+        if self._ours:
+            self.belief = self._weigh(particles, move, info, key)
+        else:
+            self.belief = settle(self.belief, particles, move, self.settings.convergence, key)
         self.estimate = self._summary(move.time_s)
         if self._watch is not None:
             self._watch(self.estimate, self.belief, info)
         return self.estimate
+
+    def _weigh(self, particles: Particles, move: Move, info: MoveInfo, key: RandomKey) -> Belief:
+        """Ours: draw anew where it helps, judge, and look elsewhere when lost."""
+        assert self.belief is not None
+        resampling, declaration = self.settings.resampling, self.settings.declaration
+        due = self._step % resampling.check_moves == 0
+        particles = adapted(particles, self.raster, resampling, self._n, key.child(_ADAPT), due)
+        if self._sighting is not None:
+            moved_m = self._sighting.moved_m + (move.dx_m, move.dy_m)
+            self._sighting = self._sighting._replace(moved_m=moved_m)
+        self._since_search_m += move.length_m
+        belief = judge(self.belief, particles, move.length_m, info, declaration)
+        if belief.stage is not Stage.LOST or self._since_search_m < declaration.search_every_m:
+            return belief
+        self._since_search_m = 0.0
+        return look_elsewhere(belief, self._sighting, self._conditions, key.child(_SEARCH))
 
     def _wait(self, move: Move) -> Estimate:
         """Uniform + Ori: theta needs the first few moves (paper IV-B); then replay them."""
@@ -303,13 +369,3 @@ class Localizer:
 
 def _raster(plan: FloorPlan | PlanRaster, settings: Settings) -> PlanRaster:
     return plan if isinstance(plan, PlanRaster) else rasterize(plan, settings.raster)
-
-
-def _shifted(particles: Particles, by_odom_m: FloatArray) -> Particles:
-    """Carry particles from the scan's position to where the walk begins."""
-    if not by_odom_m.any():
-        return particles
-    c, s = np.cos(particles.drift_rad), np.sin(particles.drift_rad)
-    dx, dy = by_odom_m
-    offset = np.stack([c * dx - s * dy, s * dx + c * dy], axis=1)
-    return replace(particles, position_m=particles.position_m + offset)

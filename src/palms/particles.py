@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import sys
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -12,11 +14,11 @@ from palms._compiled import filter as loops
 from palms.errors import InputError
 from palms.geometry import FloatArray, as_readonly, wrap_angle
 from palms.heatmap import Candidates
-from palms.motion import move_noise
+from palms.motion import MoveNoise, move_noise
 from palms.odometry import Move
 from palms.randomness import RandomKey
 from palms.raster import PlanRaster
-from palms.settings import MotionSettings
+from palms.settings import MotionSettings, ResamplingSettings
 
 __all__ = [
     "MoveInfo",
@@ -24,6 +26,7 @@ __all__ = [
     "advance",
     "effective_sample_size",
     "resample_systematic",
+    "reweight",
     "start_everywhere",
     "start_from",
     "thin",
@@ -57,6 +60,8 @@ class Particles:
         The candidate drift a particle came from.
     weight : (N,)
         Sum 1.
+    drift_rate_rad_per_s : (N,), optional
+        Steady turn of the walk's frame; 0 when left out.
 
     Examples
     --------
@@ -70,11 +75,14 @@ class Particles:
     scale: FloatArray
     label: npt.NDArray[np.int32]
     weight: FloatArray
+    drift_rate_rad_per_s: FloatArray = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
+        if self.drift_rate_rad_per_s is None:
+            object.__setattr__(self, "drift_rate_rad_per_s", np.zeros(len(self.weight)))
         for name, dtype in (
             ("position_m", np.float64), ("drift_rad", np.float64), ("scale", np.float64),
-            ("label", np.int32), ("weight", np.float64),
+            ("label", np.int32), ("weight", np.float64), ("drift_rate_rad_per_s", np.float64),
         ):  # fmt: skip
             array = np.ascontiguousarray(getattr(self, name), dtype=dtype)
             array.setflags(write=False)
@@ -100,6 +108,13 @@ class Particles:
         offset = self.position_m - self.mean_m()
         return float(np.sqrt(self.weight @ (offset**2).sum(axis=1)))
 
+    def take(self, index: npt.NDArray[np.int64], weight: FloatArray) -> Particles:
+        """Return some of them, by index (M,), with new weights (M,)."""
+        return Particles(
+            self.position_m[index], self.drift_rad[index], self.scale[index], self.label[index],
+            weight, self.drift_rate_rad_per_s[index],
+        )  # fmt: skip
+
     def label_shares(self) -> FloatArray:
         """Share of the weight that each label holds."""
         return np.asarray(np.bincount(self.label, self.weight), dtype=np.float64)
@@ -117,11 +132,14 @@ class MoveInfo(NamedTuple):
         of them make the move all the same, since the odometry is sure and the plan is not.
     effective_sample_size : float
         Of the weights after the move.
+    evidence : float
+        Logarithm of the share of its weight that the belief kept; 0 where hits are replaced.
     """
 
     n_hit: int
     n_survived: int
     effective_sample_size: float
+    evidence: float = 0.0
 
 
 def start_from(candidates: Candidates, n: int, key: RandomKey, own_frame: bool) -> Particles:
@@ -177,7 +195,12 @@ def start_everywhere(
 
 
 def advance(
-    particles: Particles, move: Move, raster: PlanRaster, settings: MotionSettings, key: RandomKey
+    particles: Particles,
+    move: Move,
+    raster: PlanRaster,
+    settings: MotionSettings,
+    key: RandomKey,
+    resampling: ResamplingSettings | None = None,
 ) -> tuple[Particles, MoveInfo]:
     """Move all particles by one move of the odometry and let the walls judge (paper III-C).
 
@@ -189,33 +212,80 @@ def advance(
     settings : MotionSettings
     key : RandomKey
         Of this step.
+    resampling : ResamplingSettings, optional
+        The paper's when left out.
 
     Returns
     -------
     particles : Particles
     info : MoveInfo
     """
+    scheme = "survivors" if resampling is None else resampling.scheme
+    noise = move_noise(move.length_m, settings, move.duration_s or 0.0)
+    moved, hit = _moved(particles, move, raster, noise, key)
+    n, n_hit = len(hit), int(hit.sum())
+    if scheme == "survivors":
+        if 0 < n_hit < n:
+            spread = np.array([settings.jitter_m, noise.drift_rad])
+            moved = _replaced(moved, hit, spread, raster, key)
+        return moved, MoveInfo(n_hit, n - n_hit, effective_sample_size(moved.weight))
+    moved, kept = reweight(moved, np.where(hit, settings.hit_weight, 1.0))
+    if scheme == "every-step":
+        moved = _resample_all(moved, settings, key)
+    elif settings.scale_per_sqrt_m > 0:
+        spread_m = settings.scale_per_sqrt_m * math.sqrt(move.length_m)
+        moved = replace(moved, scale=moved.scale + spread_m * _normals(n, key.child(_SCALE)))
+    return moved, MoveInfo(n_hit, n - n_hit, effective_sample_size(moved.weight), kept)
+
+
+def _moved(
+    particles: Particles, move: Move, raster: PlanRaster, noise: MoveNoise, key: RandomKey
+) -> tuple[Particles, npt.NDArray[np.bool_]]:
+    """Return the particles after a move, and which hit a wall or left the plan."""
     n = len(particles)
     position, drift, hit = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
-    noise = move_noise(move.length_m, settings, move.duration_s or 0.0)
-    n_hit = loops.move(
-        particles.position_m, particles.drift_rad, particles.scale, (move.dx_m, move.dy_m),
+    turned = particles.drift_rad + (move.duration_s or 0.0) * particles.drift_rate_rad_per_s
+    loops.move(
+        particles.position_m, turned, particles.scale, (move.dx_m, move.dy_m),
         tuple(noise), key.child(_MOVE).word, raster.walls, position, drift, hit,
     )  # fmt: skip
-    scale, label, weight = particles.scale, particles.label, particles.weight
-    if settings.hit_weight > 0:
-        weight = np.where(hit, settings.hit_weight * weight, weight)
-        moved = Particles(position, drift, scale, label, weight / weight.sum())
-        moved = _resample_all(moved, settings, key)
-    else:
-        if 0 < n_hit < n:
-            scale, label = scale.copy(), label.copy()
-            spread = np.array([settings.jitter_m, noise.drift_rad])
-            loops.replace_hits(
-                position, drift, scale, label, hit, spread, key.child(_COPY).word, raster.walls
-            )
-        moved = Particles(position, drift, scale, label, weight)
-    return moved, MoveInfo(n_hit, n - n_hit, effective_sample_size(moved.weight))
+    return replace(particles, position_m=position, drift_rad=drift), hit
+
+
+def _replaced(
+    particles: Particles,
+    hit: npt.NDArray[np.bool_],
+    spread: FloatArray,
+    raster: PlanRaster,
+    key: RandomKey,
+) -> Particles:
+    """Replace each particle that hit by a copy of a random survivor (paper III-C)."""
+    position, drift = particles.position_m.copy(), particles.drift_rad.copy()
+    scale, label = particles.scale.copy(), particles.label.copy()
+    loops.replace_hits(
+        position, drift, scale, label, hit, spread, key.child(_COPY).word, raster.walls
+    )
+    return replace(particles, position_m=position, drift_rad=drift, scale=scale, label=label)
+
+
+def reweight(particles: Particles, factor: npt.ArrayLike) -> tuple[Particles, float]:
+    """Multiply the weights by factors (N,); return the logarithm of what they kept, too.
+
+    When nothing would be left the weights stay, and the logarithm is that of the smallest
+    number: the evidence contradicts every particle.
+
+    Examples
+    --------
+    >>> two = Particles([[0, 0], [1, 0]], [0, 0], [1, 1], [0, 1], [0.5, 0.5])
+    >>> more, kept = reweight(two, [1.0, 0.5])
+    >>> more.weight.round(3).tolist(), round(kept, 3)
+    ([0.667, 0.333], -0.288)
+    """
+    weight = particles.weight * np.asarray(factor, dtype=np.float64)
+    total = float(weight.sum())
+    if total <= sys.float_info.min:
+        return particles, math.log(sys.float_info.min)
+    return replace(particles, weight=weight / total), math.log(total)
 
 
 def _resample_all(particles: Particles, settings: MotionSettings, key: RandomKey) -> Particles:
@@ -234,10 +304,7 @@ def _resample_all(particles: Particles, settings: MotionSettings, key: RandomKey
 def thin(particles: Particles, n: int, key: RandomKey) -> Particles:
     """Keep n particles, drawn by weight."""
     index = resample_systematic(particles.weight, n, key.child(_THIN))
-    return Particles(
-        particles.position_m[index], particles.drift_rad[index], particles.scale[index],
-        particles.label[index], np.full(n, 1 / n),
-    )  # fmt: skip
+    return particles.take(index, np.full(n, 1 / n))
 
 
 def resample_systematic(weights: FloatArray, n: int, key: RandomKey) -> npt.NDArray[np.int64]:
@@ -257,13 +324,22 @@ def resample_systematic(weights: FloatArray, n: int, key: RandomKey) -> npt.NDAr
     return out
 
 
-def with_scales(particles: Particles, scale_sd: float, key: RandomKey) -> Particles:
-    """Give each particle a scale of its own around 1; the same particles for a spread of 0."""
-    if scale_sd == 0:
-        return particles
-    z = np.empty((len(particles), 1))
-    loops.normals(key.child(_SCALE).word, 1, z)
-    return replace(particles, scale=1 + scale_sd * z[:, 0])
+def with_scales(particles: Particles, settings: MotionSettings, key: RandomKey) -> Particles:
+    """Give each particle a scale and a steady turn of its own, as the odometry may have."""
+    n = len(particles)
+    if settings.scale_sd > 0:
+        scale = 1 + settings.scale_sd * _normals(n, key.child(_SCALE))
+        particles = replace(particles, scale=scale)
+    if settings.drift_rate_rad_per_s > 0:
+        rate = settings.drift_rate_rad_per_s * _normals(n, key.child(_SCALE, 1))
+        particles = replace(particles, drift_rate_rad_per_s=rate)
+    return particles
+
+
+def _normals(n: int, key: RandomKey) -> FloatArray:
+    z = np.empty((n, 1))
+    loops.normals(key.word, 1, z)
+    return z[:, 0]
 
 
 def effective_sample_size(weight: FloatArray) -> float:

@@ -45,6 +45,9 @@ class PlanRaster:
         a place too many dies at the first wall, a place left out is never found.
     walls : Walls
         What the particle loops need to know where moves end.
+    settings : RasterSettings
+    sights : dict
+        What `palms.observation` has worked out of it, kept for the next scan.
 
     Examples
     --------
@@ -60,6 +63,7 @@ class PlanRaster:
     inside: npt.NDArray[np.bool_]
     walls: loops.Walls
     settings: RasterSettings
+    sights: dict[tuple[float, ...], Any] = field(default_factory=dict, repr=False, compare=False)
     _spectra: dict[tuple[int, ...], npt.NDArray[np.complex64]] = field(
         default_factory=dict, repr=False, compare=False
     )

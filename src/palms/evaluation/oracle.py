@@ -31,7 +31,7 @@ def oracle_settings(nuisances: Nuisances, n_particles: int = ORACLE_PARTICLES) -
     >>> import numpy as np
     >>> from palms.evaluation.simulation import draw_nuisances
     >>> nuisances = draw_nuisances(np.random.default_rng(0))
-    >>> oracle_settings(nuisances).start.scale_sd == nuisances.vio_scale_sd
+    >>> oracle_settings(nuisances).motion.scale_sd == nuisances.vio_scale_sd
     True
     """
     best, vio = Settings(), nuisances.vio
@@ -45,6 +45,7 @@ def oracle_settings(nuisances: Nuisances, n_particles: int = ORACLE_PARTICLES) -
         drift_rad_per_sqrt_s=vio.heading_rad_per_sqrt_s,
         jitter_m=0.0,
         hit_weight=best.motion.hit_weight,
+        scale_sd=vio.scale_sd,
     )
-    start = replace(best.start, n_particles=n_particles, scale_sd=vio.scale_sd)
+    start = replace(best.start, n_particles=n_particles)
     return replace(best, method="oracle", motion=motion, start=start)

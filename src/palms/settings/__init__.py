@@ -16,6 +16,7 @@ from palms.settings.groups import (
     StartSettings,
     TemplateSettings,
 )
+from palms.settings.ours import DeclarationSettings, ObservationSettings, ResamplingSettings
 from palms.settings.presets import METHODS, Settings
 
 __all__ = [
@@ -24,9 +25,12 @@ __all__ = [
     "AnswerSettings",
     "CandidateSettings",
     "ConvergenceSettings",
+    "DeclarationSettings",
     "Limits",
     "MotionSettings",
+    "ObservationSettings",
     "RasterSettings",
+    "ResamplingSettings",
     "Settings",
     "StartSettings",
     "TemplateSettings",

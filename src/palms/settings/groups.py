@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from palms.errors import SettingsError
+from palms.settings.checks import check
 
 __all__ = [
     "LIMITS",
@@ -19,12 +19,6 @@ __all__ = [
     "StartSettings",
     "TemplateSettings",
 ]
-
-
-def _check(group: str, **conditions: tuple[bool, str, object]) -> None:
-    for name, (holds, expected, got) in conditions.items():
-        if not holds:
-            raise SettingsError(f"setting {group}.{name}", expected=expected, got=str(got))
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,7 +55,7 @@ class RasterSettings:
     enclosed_share: float = 0.9
 
     def __post_init__(self) -> None:
-        _check(
+        check(
             "raster",
             cell_size_m=(0.01 <= self.cell_size_m <= 1.0, "0.01 to 1 m", self.cell_size_m),
             margin_m=(self.margin_m >= 0, "0 m or more", self.margin_m),
@@ -140,7 +134,7 @@ class TemplateSettings:
     floor_at_zero: bool = False
 
     def __post_init__(self) -> None:
-        _check(
+        check(
             "template",
             wall_sigma_m=(0 < self.wall_sigma_m <= 2, "above 0, at most 2 m", self.wall_sigma_m),
             empty_weight=(self.empty_weight >= 0, "0 or more", self.empty_weight),
@@ -166,7 +160,7 @@ class CandidateSettings:
     per_map: bool = False
 
     def __post_init__(self) -> None:
-        _check("candidates", quantile=(0 < self.quantile < 1, "between 0 and 1", self.quantile))
+        check("candidates", quantile=(0 < self.quantile < 1, "between 0 and 1", self.quantile))
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,34 +169,39 @@ class StartSettings:
 
     Parameters
     ----------
-    source : {"scan", "uniform", "uniform-ori"}
+    source : {"scan", "uniform", "uniform-ori", "posterior"}
         From the heatmaps (paper III-C), everywhere with any drift (paper IV-B, Uniform),
-        or everywhere with four drifts (paper IV-B, Uniform + Ori).
+        everywhere with four drifts (paper IV-B, Uniform + Ori), or from the posterior that
+        the likelihood of a scan gives (ours, see `ObservationSettings`).
     n_particles : int
         Number of particles (paper IV-B: 2,000).
     orientation_from : {"plan", "axes"}
         theta aligns the scan with the plan (paper III-A) or with the axes of the map
         (authors' code).
-    scale_sd : float
-        Spread of the particles' scale, metres walked per metre of odometry, around 1
-        (paper silent, which we read as none).
     orientation_moves : int
         First moves that give Uniform + Ori its theta (paper IV-B "the first few
         tracking points"; 8 is ours).
+    n_proposals : int
+        Poses that are judged one by one before particles are drawn from them (ours).
+    spare_share : float
+        Share of the particles that starts anywhere, so that a scan of what the plan does not
+        show loses nothing; how much they weigh is `ObservationSettings.elsewhere` (ours).
     """
 
-    source: Literal["scan", "uniform", "uniform-ori"] = "scan"
+    source: Literal["scan", "uniform", "uniform-ori", "posterior"] = "scan"
     n_particles: int = 2000
     orientation_from: Literal["plan", "axes"] = "plan"
-    scale_sd: float = 0.0
     orientation_moves: int = 8
+    n_proposals: int = 60_000
+    spare_share: float = 0.5
 
     def __post_init__(self) -> None:
-        _check(
+        check(
             "start",
             n_particles=(1 <= self.n_particles <= 5_000_000, "1 to 5,000,000", self.n_particles),
-            scale_sd=(0 <= self.scale_sd <= 0.3, "0 to 0.3", self.scale_sd),
             orientation_moves=(self.orientation_moves >= 1, "at least 1", self.orientation_moves),
+            n_proposals=(self.n_proposals >= 1, "at least 1", self.n_proposals),
+            spare_share=(0 <= self.spare_share < 1, "0 to below 1", self.spare_share),
         )
 
 
@@ -233,7 +232,15 @@ class MotionSettings:
     hit_weight : float
         What a particle that hits a wall keeps of its weight. 0: it is replaced by a
         copy of a random survivor (paper III-C); above 0 it passes through (authors'
-        code: 0.3) and all particles are resampled at every step.
+        code: 0.3).
+    scale_sd : float
+        Spread of the particles' scale, metres walked per metre of odometry, around 1
+        (paper silent, which we read as none).
+    drift_rate_rad_per_s : float
+        Spread of the steady turn of a walk's frame (paper silent, which we read as none).
+    scale_per_sqrt_m : float
+        Standard deviation of the scale's change in a metre; it grows with the root of the
+        distance (paper silent, which we read as none).
     """
 
     step_m: float = 0.65
@@ -244,9 +251,12 @@ class MotionSettings:
     jitter_m: float = 0.1
     scaling: Literal["distance", "sample"] = "distance"
     hit_weight: float = 0.0
+    scale_sd: float = 0.0
+    drift_rate_rad_per_s: float = 0.0
+    scale_per_sqrt_m: float = 0.0
 
     def __post_init__(self) -> None:
-        _check(
+        check(
             "motion",
             step_m=(self.step_m > 0, "above 0 m", self.step_m),
             length_m=(self.length_m >= 0, "0 m or more", self.length_m),
@@ -259,6 +269,11 @@ class MotionSettings:
             ),
             jitter_m=(self.jitter_m >= 0, "0 m or more", self.jitter_m),
             hit_weight=(0 <= self.hit_weight <= 1, "0 to 1", self.hit_weight),
+            scale_sd=(0 <= self.scale_sd <= 0.3, "0 to 0.3", self.scale_sd),
+            drift_rate_rad_per_s=(
+                self.drift_rate_rad_per_s >= 0, "0 or more", self.drift_rate_rad_per_s
+            ),
+            scale_per_sqrt_m=(self.scale_per_sqrt_m >= 0, "0 or more", self.scale_per_sqrt_m),
         )
 
 
@@ -302,7 +317,7 @@ class ConvergenceSettings:
     divide_particles: bool = False
 
     def __post_init__(self) -> None:
-        _check(
+        check(
             "convergence",
             label_share=(0 < self.label_share <= 1, "above 0, at most 1", self.label_share),
             cluster_share=(0 < self.cluster_share <= 1, "above 0, at most 1", self.cluster_share),
@@ -335,7 +350,7 @@ class AnswerSettings:
     heading_move_m: float = 0.05
 
     def __post_init__(self) -> None:
-        _check(
+        check(
             "answer",
             hypotheses=(0 <= self.hypotheses <= 100, "0 to 100", self.hypotheses),
             hypothesis_radius_m=(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Literal
 
 from palms.errors import SettingsError
 from palms.settings.groups import (
@@ -15,22 +15,41 @@ from palms.settings.groups import (
     StartSettings,
     TemplateSettings,
 )
+from palms.settings.ours import DeclarationSettings, ObservationSettings, ResamplingSettings
 
 __all__ = ["METHODS", "Settings"]
 
 METHODS = ("palms", "paper", "authors", "uniform", "uniform-ori", "no-scan")
 
 
+_START = StartSettings(source="posterior", n_particles=30_000)
+_RESAMPLING = ResamplingSettings("adaptive")
+_DECLARATION = DeclarationSettings("probability")
+_VIO = MotionSettings(
+    length_m=0.024, direction_rad=0.037, drift_rad=0.0, drift_rad_per_sqrt_s=0.0045,
+    jitter_m=0.0, hit_weight=0.03, scale_sd=0.03,
+)  # fmt: skip
+_INERTIAL = replace(
+    _VIO, direction_rad=0.08, drift_rate_rad_per_s=0.0024, scale_sd=0.09, scale_per_sqrt_m=0.03
+)
+
+
 @dataclass(frozen=True, slots=True)
 class Settings:
     """All settings of a method; change one with `dataclasses.replace`.
+
+    `Settings()` is ours. Each group's own defaults are the paper's, where the paper has it.
 
     Parameters
     ----------
     method : str
         Name of the method, one of `METHODS`.
     raster, template, candidates, start, motion, convergence, answer
-        The groups.
+        The groups of the paper's method; ours leaves out template, candidates and convergence.
+    observation, resampling, declaration
+        The groups of ours.
+    inertial : MotionSettings, optional
+        In place of `motion` where the odometry is inertial; None: the same.
 
     Examples
     --------
@@ -38,27 +57,36 @@ class Settings:
     1.0
     >>> Settings.for_method("authors").motion.hit_weight
     0.3
+    >>> Settings().motion_for("inertial").scale_sd
+    0.09
     """
 
     method: str = "palms"
     raster: RasterSettings = field(default_factory=RasterSettings)
     template: TemplateSettings = field(default_factory=TemplateSettings)
     candidates: CandidateSettings = field(default_factory=CandidateSettings)
-    start: StartSettings = field(default_factory=StartSettings)
-    motion: MotionSettings = field(default_factory=MotionSettings)
+    start: StartSettings = _START
+    motion: MotionSettings = _VIO
     convergence: ConvergenceSettings = field(default_factory=ConvergenceSettings)
     answer: AnswerSettings = field(default_factory=AnswerSettings)
+    observation: ObservationSettings = field(default_factory=ObservationSettings)
+    resampling: ResamplingSettings = _RESAMPLING
+    declaration: DeclarationSettings = _DECLARATION
+    inertial: MotionSettings | None = _INERTIAL
 
     @classmethod
     def paper(cls) -> Settings:
         """Return section III of the paper as written."""
-        return cls(method="paper")
+        return cls(
+            "paper", start=StartSettings(), motion=MotionSettings(),
+            resampling=ResamplingSettings(), declaration=DeclarationSettings(), inertial=None,
+        )  # fmt: skip
 
     @classmethod
     def authors(cls) -> Settings:
         """Return what the authors published as code, as far as it differs from the paper."""
-        return cls(
-            method="authors",
+        return replace(
+            cls.paper(), method="authors",
             template=TemplateSettings(
                 wall_scale="sum", empty_weight=10.0, empty_erode_cells=1, empty_range_m=10.0,
                 truncate_cells=3, range_sigma_m=10.0, floor_at_zero=True,
@@ -72,13 +100,14 @@ class Settings:
                 bandwidth_m=None, recluster_steps=10, search_steps=5, withdraw=True,
                 divide_particles=True,
             ),
+            resampling=ResamplingSettings("every-step"),
         )  # fmt: skip
 
     @classmethod
     def uniform(cls) -> Settings:
         """Return paper IV-B, Uniform: everywhere, with any drift; step 1 by dispersion."""
-        return cls(
-            method="uniform",
+        return replace(
+            cls.paper(), method="uniform",
             start=StartSettings(source="uniform"),
             convergence=ConvergenceSettings(step1="dispersion"),
         )
@@ -86,12 +115,16 @@ class Settings:
     @classmethod
     def uniform_ori(cls) -> Settings:
         """Return paper IV-B, Uniform + Ori: four drifts, from the plan and the first moves."""
-        return cls(method="uniform-ori", start=StartSettings(source="uniform-ori"))
+        return replace(
+            cls.paper(), method="uniform-ori", start=StartSettings(source="uniform-ori")
+        )
 
     @classmethod
     def no_scan(cls) -> Settings:
         """Return our filter without a scan."""
-        return replace(cls.uniform(), method="no-scan")
+        return replace(
+            cls(), method="no-scan", start=StartSettings(source="uniform", n_particles=100_000)
+        )
 
     @classmethod
     def for_method(cls, name: str) -> Settings:
@@ -110,6 +143,10 @@ class Settings:
             raise SettingsError("method", expected="one of " + ", ".join(METHODS), got=repr(name))
         preset: Settings = presets[name]()
         return preset
+
+    def motion_for(self, source: Literal["vio", "inertial"]) -> MotionSettings:
+        """Return the motion settings for a kind of odometry."""
+        return self.inertial if source == "inertial" and self.inertial else self.motion
 
     def with_particles(self, n_particles: int) -> Settings:
         """Return the same settings with another number of particles."""

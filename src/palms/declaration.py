@@ -1,0 +1,101 @@
+"""Our declaration: localized while it is probable, lost when the belief cannot hold the truth.
+
+The probability is that of the particles around the answer, less the doubt whether the
+particles hold the truth at all. Doubt falls while walls agree with the belief, and rises while
+they do not (docs/explanation/declaration.md).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from palms._compiled import clusters
+from palms.belief import Belief, Stage
+from palms.particles import MoveInfo, Particles
+from palms.settings import DeclarationSettings
+
+__all__ = ["doubted", "judge"]
+
+NEAR_M = 2.0  # ours: what p_within_2m asks
+DRIFT_BINS = 72  # ours: 5 degrees each
+
+
+def judge(
+    belief: Belief,
+    particles: Particles,
+    walked_m: float,
+    info: MoveInfo | None,
+    settings: DeclarationSettings,
+) -> Belief:
+    """Judge the particles after a move or a scan: how far has it come, and is it lost.
+
+    Parameters
+    ----------
+    belief : Belief
+        Before it.
+    particles : Particles
+        After it.
+    walked_m : float
+        Length of the move.
+    info : MoveInfo or None
+        What the walls said to it; None when there was no move.
+    settings : DeclarationSettings
+    """
+    doubt = belief.doubt
+    if info is not None:
+        doubt = doubted(doubt, settings.stray_nats_per_m * walked_m + info.evidence, settings)
+    place, _ = clusters.heaviest_places(particles.position_m, particles.weight, NEAR_M, 1)
+    answering = np.asarray(place == 0)
+    judged = Belief(
+        particles, belief.stage, None, particles.mean_m(answering), answering, 0, doubt
+    )  # fmt: skip
+    return replace(judged, stage=_stage(judged, settings))
+
+
+def doubted(doubt: float, nats: float, settings: DeclarationSettings) -> float:
+    """Return the doubt after evidence of so many nats for the belief.
+
+    Examples
+    --------
+    >>> settings = DeclarationSettings("probability")
+    >>> round(doubted(0.5, -1.0, settings), 3), round(doubted(0.01, 5.0, settings), 3)
+    (0.731, 0.005)
+    """
+    if doubt <= 0:
+        return settings.doubt_floor
+    odds = doubt / max(1 - doubt, 1e-12) * math.exp(min(max(-nats, -50.0), 50.0))
+    return max(odds / (1 + odds), settings.doubt_floor)
+
+
+def _stage(belief: Belief, settings: DeclarationSettings) -> Stage:
+    if belief.doubt > settings.lost:
+        return Stage.LOST
+    sure = 1 - belief.doubt
+    near = sure * _share_near(belief)
+    threshold = settings.leave if belief.stage is Stage.LOCALIZED else settings.enter
+    if near >= threshold:
+        return Stage.LOCALIZED
+    if sure * _share_oriented(belief.particles, settings.oriented_rad) >= settings.oriented_share:
+        return Stage.ORIENTED
+    return Stage.LOST if belief.stage is Stage.LOST else Stage.SEARCHING
+
+
+def _share_near(belief: Belief) -> float:
+    """Share of the weight within 2 m of the answer."""
+    away = np.empty(len(belief.particles))
+    x, y = belief.answer_m
+    clusters.distances(belief.particles.position_m, x, y, away)
+    return min(float(clusters.weight_within(away, belief.particles.weight, NEAR_M)), 1.0)
+
+
+def _share_oriented(particles: Particles, within_rad: float) -> float:
+    """Largest share of the weight whose drifts lie this near to one drift."""
+    turn = np.mod(particles.drift_rad / (2 * math.pi), 1.0)
+    index = np.minimum((turn * DRIFT_BINS).astype(np.int64), DRIFT_BINS - 1)
+    shares = np.bincount(index, particles.weight, DRIFT_BINS)
+    width = max(1, round(2 * within_rad / (2 * math.pi) * DRIFT_BINS))
+    around = np.concatenate([[0.0], np.cumsum(np.concatenate([shares, shares[: width - 1]]))])
+    return float((around[width:] - around[:-width]).max())

@@ -1,0 +1,380 @@
+"""What a scan says about a place: a likelihood, searched over the whole building.
+
+The walls that were seen should lie on walls of the plan, and no wall of the plan should stand
+where the scan proves empty space. Both are sums over points of the scan, looked up in fields
+of the plan: per metre of wall and per square metre of empty space, so that neither cells nor
+points decide how much a scan says (docs/explanation/likelihood.md).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import scipy.fft
+from scipy import ndimage
+
+from palms._compiled import observation as loops
+from palms._compiled import raster as cells
+from palms._compiled import select
+from palms.floorplan import FloorPlan, SegmentClass
+from palms.geometry import FloatArray, as_readonly, directions, lengths, wrap_angle
+from palms.grid import Grid
+from palms.heatmap import Candidates
+from palms.raster import PlanRaster
+from palms.scan import Scan
+from palms.settings import ObservationSettings
+
+__all__ = ["ScanPoints", "Sight", "likely_drifts", "log_likelihood", "scan_points", "search", "see"]
+
+BEARINGS = 360  # ours: empty space is known for every degree
+ERODE = 2  # ours: bearings on either side that must be free as well
+BIN_RAD = math.radians(2.0)  # ours: bins of the histograms of wall directions
+SMOOTH_RAD = math.radians(4.0)  # ours: walls of plan and scan agree to about this
+OF_CLASS = {  # ours: what a wall of a class may explain, and what it counts in empty space
+    SegmentClass.WALL: (1.0, 1.0),
+    SegmentClass.DOOR: (0.5, 0.0),  # shut or open
+    SegmentClass.GLASS: (0.5, 0.2),  # seldom seen
+}
+
+Field = npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True)
+class ScanPoints:
+    """A scan as points, seen from its observation point, axes of the odom frame.
+
+    Parameters
+    ----------
+    wall_m : (W, 2)
+        On the walls.
+    wall_weight_m : (W,)
+        Metres of wall that each stands for.
+    empty_m : (E, 2)
+        In space that is proven empty.
+    empty_m2 : float
+        Square metres that each of these stands for.
+    """
+
+    wall_m: FloatArray
+    wall_weight_m: FloatArray
+    empty_m: FloatArray
+    empty_m2: float
+
+    @property
+    def reach_m(self) -> float:
+        """Distance of the farthest point."""
+        points = np.concatenate([self.wall_m, self.empty_m])
+        return float(np.linalg.norm(points, axis=1).max())
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """A plan as a scanner would see it, in cells.
+
+    Parameters
+    ----------
+    grid : Grid
+    support : (R, C) float32
+        Log likelihood ratio, in nats per metre of seen wall, against a wall that the plan
+        does not have; 0 far from walls.
+    cost : (R, C) float32
+        Metres of wall per square metre.
+    """
+
+    grid: Grid
+    support: Field
+    cost: Field
+
+    @property
+    def frame(self) -> FloatArray:
+        """What the loops need: x and y of the corner, cells per metre."""
+        return np.array([*self.grid.origin_m, 1 / self.grid.cell_size_m])
+
+
+def scan_points(scan: Scan, settings: ObservationSettings | None = None) -> ScanPoints:
+    """Turn a scan into points on its walls and in its empty space.
+
+    Parameters
+    ----------
+    scan : Scan
+    settings : ObservationSettings, optional
+
+    Examples
+    --------
+    >>> points = scan_points(Scan([[[2.0, -1.0], [2.0, 1.0]]]))
+    >>> round(float(points.wall_weight_m.sum()), 6), bool((points.empty_m[:, 0] < 1.7).all())
+    (2.0, True)
+    """
+    settings = settings or ObservationSettings()
+    step, on_walls, weights = settings.spacing_m, [], []
+    for start, end in scan.relative_m:
+        length = float(np.linalg.norm(end - start))
+        n = max(1, round(length / step))
+        on_walls.append(start + ((np.arange(n) + 0.5) / n)[:, None] * (end - start))
+        weights.append(np.full(n, length / n))
+    free = np.minimum(_free_m(scan), settings.empty_range_m)
+    free = np.nan_to_num(free - settings.empty_margin_m, nan=0.0)
+    free = np.min([np.roll(free, k) for k in range(-ERODE, ERODE + 1)], axis=0)
+    n = max(1, math.ceil(max(float(free.max()), 0.0) / step))
+    x, y = (axis.ravel() * step for axis in np.meshgrid(*2 * [np.arange(-n, n + 1)]))
+    bearing = np.floor(np.mod(np.arctan2(y, x), 2 * np.pi) / (2 * np.pi) * BEARINGS)
+    empty = np.hypot(x, y) < free[bearing.astype(int) % BEARINGS]
+    return ScanPoints(
+        as_readonly(np.concatenate(on_walls)), as_readonly(np.concatenate(weights)),
+        as_readonly(np.stack([x[empty], y[empty]], axis=1)), step**2,
+    )  # fmt: skip
+
+
+def _free_m(scan: Scan) -> FloatArray:
+    """How far it is surely free by bearing: up to the nearest wall seen; NaN where none was.
+
+    What the scan itself says of its coverage counts too, where it is nearer.
+    """
+    angle = (np.arange(BEARINGS) + 0.5) * 2 * np.pi / BEARINGS
+    beam = np.stack([np.cos(angle), np.sin(angle)], axis=1)[:, None]
+    start, along = scan.relative_m[:, 0], scan.relative_m[:, 1] - scan.relative_m[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        across = beam[..., 0] * along[:, 1] - beam[..., 1] * along[:, 0]
+        range_m = (start[:, 0] * along[:, 1] - start[:, 1] * along[:, 0]) / across
+        part = (start[:, 0] * beam[..., 1] - start[:, 1] * beam[..., 0]) / across
+    met = (range_m > 0) & (part >= 0) & (part <= 1)
+    free: FloatArray = np.where(met, range_m, np.inf).min(axis=1)
+    free[np.isinf(free)] = np.nan
+    if scan.coverage_m is not None:
+        index = (angle / (2 * np.pi) * len(scan.coverage_m)).astype(int)
+        free = np.fmin(free, scan.coverage_m[index])
+    return free
+
+
+def see(raster: PlanRaster, settings: ObservationSettings, coarse: int = 1) -> Sight:
+    """Return the plan as a scanner would see it; kept with the raster.
+
+    Parameters
+    ----------
+    raster : PlanRaster
+    settings : ObservationSettings
+    coarse : int
+        Cells of the raster along a side of a cell. The support is then blurred by half a
+        cell, since the true place lies anywhere within it.
+    """
+    key = (settings.wall_sd_m, settings.unexplained_share, coarse)
+    if key not in raster.sights:
+        raster.sights[key] = _see(raster, settings, coarse)
+    sight: Sight = raster.sights[key]
+    return sight
+
+
+def _see(raster: PlanRaster, settings: ObservationSettings, coarse: int) -> Sight:
+    fine, rare = raster.grid, settings.unexplained_share
+    sd = settings.wall_sd_m
+    if coarse > 1:
+        sd = math.hypot(sd, 0.5 * coarse * fine.cell_size_m)
+    support = np.zeros(fine.shape, np.float32)
+    cost = np.zeros(fine.shape, np.float32)
+    for kind, (explains, counts) in OF_CLASS.items():
+        segments = raster.plan.of_class(kind)
+        if not len(segments):
+            continue
+        metres = np.zeros(fine.shape, np.float32)
+        flat = np.ascontiguousarray((segments - fine.origin_m).reshape(-1, 4))
+        cells.add_lengths(flat, np.ones(len(flat)), fine.cell_size_m, True, metres)
+        away = ndimage.distance_transform_edt(metres <= 0) * fine.cell_size_m
+        near = explains * (1 - rare) * np.exp(-0.5 * (away / sd) ** 2) + rare
+        np.maximum(support, np.log(near / rare), out=support)
+        cost += counts * np.minimum(metres, math.sqrt(2)) / fine.cell_size_m
+    grid = Grid(
+        fine.origin_m, coarse * fine.cell_size_m,
+        (-(-fine.shape[0] // coarse), -(-fine.shape[1] // coarse)),
+    )  # fmt: skip
+    return Sight(grid, _means(support, coarse), _means(cost, coarse))
+
+
+def _means(field: Field, k: int) -> Field:
+    """Means of blocks of k x k cells; beyond the border there is nothing."""
+    rows, columns = (-(-n // k) for n in field.shape)
+    padded = np.pad(field, [(0, rows * k - field.shape[0]), (0, columns * k - field.shape[1])])
+    mean: Field = as_readonly(
+        padded.reshape(rows, k, columns, k).mean(axis=(1, 3)), np.float32
+    )  # fmt: skip
+    return mean
+
+
+def log_likelihood(
+    points: ScanPoints,
+    raster: PlanRaster,
+    position_m: FloatArray,
+    drift_rad: FloatArray,
+    settings: ObservationSettings | None = None,
+) -> FloatArray:
+    """Return what a scan says about poses, in nats (N,); 0 where it says nothing.
+
+    Against the same scan in a place without any wall of the plan; before `strength`.
+
+    Parameters
+    ----------
+    points : ScanPoints
+    raster : PlanRaster
+    position_m : (N, 2)
+        Where the scan may have been taken, map frame.
+    drift_rad : (N,)
+    settings : ObservationSettings, optional
+    """
+    settings = settings or ObservationSettings()
+    sight = see(raster, settings)
+    place = np.ascontiguousarray(position_m, dtype=np.float64)
+    turn = np.ascontiguousarray(drift_rad, dtype=np.float64)
+    walls, empty = np.empty(len(turn)), np.empty(len(turn))
+    loops.lookup(
+        place, turn, points.wall_m, points.wall_weight_m, sight.support, sight.frame, walls
+    )  # fmt: skip
+    area = np.full(len(points.empty_m), points.empty_m2)
+    loops.lookup(place, turn, points.empty_m, area, sight.cost, sight.frame, empty)
+    return np.asarray(walls - settings.empty_nats_per_m * empty)
+
+
+def likely_drifts(scan: Scan, plan: FloorPlan, settings: ObservationSettings) -> FloatArray:
+    """Return the drifts all around that turn the scan's walls along some of the plan's.
+
+    Correlation of the two histograms of wall directions, by metres.
+
+    Parameters
+    ----------
+    scan : Scan
+    plan : FloorPlan
+    settings : ObservationSettings
+
+    Returns
+    -------
+    (K,) in (-pi, pi]
+        Multiples of `drift_step_rad`.
+
+    Examples
+    --------
+    >>> room = [[[0, 0], [6, 0]], [[6, 0], [6, 4]], [[6, 4], [0, 4]], [[0, 4], [0, 0]]]
+    >>> drifts = likely_drifts(Scan(room, (3, 2)), FloorPlan(room), ObservationSettings())
+    >>> sorted(set(((np.degrees(drifts) / 90).round().astype(int) % 4).tolist()))
+    [0, 1, 2, 3]
+    """
+    n = round(math.pi / BIN_RAD)
+    turns = round(2 * math.pi / settings.drift_step_rad)
+    drifts = np.arange(turns) * 2 * math.pi / turns
+    seen, drawn = (_histogram(walls, n) for walls in (scan.walls_m, plan.segments_m))
+    agree = np.fft.irfft(np.conj(np.fft.rfft(seen)) * np.fft.rfft(drawn), n)
+    agree = ndimage.gaussian_filter1d(agree, SMOOTH_RAD / BIN_RAD, mode="wrap")
+    score = np.interp(np.mod(drifts, math.pi), np.arange(n + 1) * BIN_RAD, [*agree, agree[0]])
+    return as_readonly(wrap_angle(drifts[score >= settings.drift_share * score.max()]))
+
+
+def _histogram(segments_m: FloatArray, n: int) -> FloatArray:
+    """Metres of wall by direction, a half turn in n bins."""
+    index = np.floor(np.mod(directions(segments_m), math.pi) / math.pi * n).astype(int) % n
+    return np.bincount(index, lengths(segments_m), n).astype(np.float64)
+
+
+def search(
+    scan: Scan, raster: PlanRaster, settings: ObservationSettings | None = None
+) -> Candidates:
+    """Return where in the building a scan may have been taken, and how its frame lies.
+
+    Parameters
+    ----------
+    scan : Scan
+    raster : PlanRaster
+    settings : ObservationSettings, optional
+
+    Returns
+    -------
+    Candidates
+        Their shares are the posterior of an even prior over the inside and all drifts, at
+        the settings' `strength`. `mass` is the share that the plan explains at all,
+        ``1 - elsewhere``; `log_mean` the logarithm of the mean likelihood over the prior.
+
+    Examples
+    --------
+    >>> from palms.raster import rasterize
+    >>> room = np.array([[[0, 0], [6, 0]], [[6, 0], [6, 4]], [[6, 4], [0, 4]], [[4, 4], [4, 2]]])
+    >>> found = search(Scan(room - (2.1, 1.1)), rasterize(FloorPlan(room)))
+    >>> found.position_m[found.score.argmax()].round(1).tolist()
+    [2.1, 1.1]
+    """
+    settings = settings or ObservationSettings()
+    points, drifts = scan_points(scan, settings), likely_drifts(scan, raster.plan, settings)
+    sight = see(raster, settings, _coarseness(raster.grid, settings))
+    inside = _any(raster.inside, sight.grid.shape)
+    reach, found = settings.keep_nats / settings.strength, []
+    best = -np.inf
+    for k, scores in enumerate(_maps(points, sight, drifts, settings)):
+        best = max(best, float(scores.max(where=inside, initial=-np.inf)))
+        here = np.argwhere(inside & (scores >= best - reach)).astype(np.int32)
+        found.append((here, np.full(len(here), k, np.int32), scores[here[:, 0], here[:, 1]]))
+    at, label, score = (np.concatenate(part) for part in zip(*found, strict=True))
+    if len(score) > settings.max_candidates:
+        best_left = float(select.nth_largest(score, settings.max_candidates))
+        keep = np.flatnonzero(score >= max(best - reach, best_left))
+    else:
+        keep = np.flatnonzero(score >= best - reach)
+    log_weight = settings.strength * score[keep].astype(np.float64)
+    top = log_weight.max()
+    total = float(np.exp(log_weight - top).sum())
+    poses = inside.sum() * round(2 * math.pi / settings.drift_step_rad)
+    return Candidates(
+        sight.grid, drifts, at[keep], label[keep], score[keep], log_weight - top - math.log(total),
+        1 - settings.elsewhere, settings.drift_step_rad, top + math.log(total / poses),
+    )  # fmt: skip
+
+
+def _coarseness(grid: Grid, settings: ObservationSettings) -> int:
+    """Cells of the raster along a side of a cell of the search."""
+    k = max(1, round(settings.cell_size_m / grid.cell_size_m))
+    while grid.size / k**2 > settings.max_cells:
+        k += 1
+    return k
+
+
+def _any(mask: npt.NDArray[np.bool_], shape: tuple[int, int]) -> npt.NDArray[np.bool_]:
+    """Whether any cell of each block is set."""
+    k = -(-mask.shape[0] // shape[0])
+    padded = np.pad(mask, [(0, n * k - m) for n, m in zip(shape, mask.shape, strict=True)])
+    return np.asarray(padded.reshape(shape[0], k, shape[1], k).any(axis=(1, 3)))
+
+
+def _maps(
+    points: ScanPoints, sight: Sight, drifts_rad: FloatArray, settings: ObservationSettings
+) -> Iterator[Field]:
+    """Yield `log_likelihood` over all cells, drift by drift, by Fourier transform."""
+    cell, (rows, columns) = sight.grid.cell_size_m, sight.grid.shape
+    half = math.ceil(points.reach_m / cell) + 2
+    shape = (
+        scipy.fft.next_fast_len(rows + 2 * half),
+        scipy.fft.next_fast_len(columns + 2 * half, real=True),
+    )
+    support, cost = (_spectrum(field, half, shape) for field in (sight.support, sight.cost))
+    area = np.full(len(points.empty_m), points.empty_m2)
+    for drift in drifts_rad:
+        walls, empty = (np.zeros((2 * half + 1, 2 * half + 1), np.float32) for _ in range(2))
+        loops.splat(points.wall_m, points.wall_weight_m, drift, cell, walls)
+        loops.splat(points.empty_m, area, drift, cell, empty)
+        product = np.conj(_turned(walls, shape)) * support
+        product -= settings.empty_nats_per_m * np.conj(_turned(empty, shape)) * cost
+        turned = scipy.fft.ifft(product, axis=0, overwrite_x=True)[:rows]
+        yield np.ascontiguousarray(scipy.fft.irfft(turned, n=shape[1], axis=1)[:, :columns])
+
+
+def _spectrum(field: Field, offset: int, shape: tuple[int, int]) -> npt.NDArray[np.complex64]:
+    """Transform of a field that is set off by some zeros."""
+    padded = np.zeros(shape, np.float32)
+    rows, columns = field.shape
+    padded[offset : offset + rows, offset : offset + columns] = field
+    spectrum: npt.NDArray[np.complex64] = scipy.fft.rfft2(padded)
+    return spectrum
+
+
+def _turned(template: Field, shape: tuple[int, int]) -> npt.NDArray[np.complex64]:
+    """Transform of a template; its rows alone are not zero."""
+    rows = scipy.fft.rfft(template, n=shape[1], axis=1)
+    full: npt.NDArray[np.complex64] = scipy.fft.fft(rows, n=shape[0], axis=0)
+    return full

@@ -1,0 +1,230 @@
+"""Our population of particles: drawn from the posterior, as many as the belief needs.
+
+A particle's chance to be drawn is the root of its weight, and its new weight is what the root
+leaves over: a place that is unlikely keeps particles to come back with, and several places
+live side by side until the walk decides (docs/explanation/filter.md).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from palms._compiled import filter as loops
+from palms._compiled import observation as counts
+from palms.geometry import FloatArray, rotate_each
+from palms.heatmap import Candidates
+from palms.observation import ScanPoints, log_likelihood
+from palms.particles import (
+    Particles,
+    effective_sample_size,
+    resample_systematic,
+    start_everywhere,
+)
+from palms.randomness import RandomKey
+from palms.raster import PlanRaster
+from palms.settings import ResamplingSettings, Settings
+
+__all__ = ["adapted", "anywhere", "mixed", "pushed", "start_posterior"]
+
+_PROPOSE, _JUDGE, _SPARE, _ADAPT, _JITTER = 10, 11, 12, 13, 14  # purposes of random numbers
+FLAT = 0.7  # ours: power of the shares that proposals are drawn by; the coarse search errs
+DUST = 1e-3  # ours: a particle of less than this of its fair weight occupies no bin
+SHRINK = 0.7  # ours: fewer particles pay only when they are fewer than this share
+
+
+def start_posterior(
+    candidates: Candidates,
+    points: ScanPoints,
+    raster: PlanRaster,
+    settings: Settings,
+    key: RandomKey,
+    own_frame: bool = False,
+) -> Particles:
+    """Draw particles from the posterior of a scan, some of them from anywhere.
+
+    Poses are proposed by the candidates, judged one by one by the likelihood, and drawn.
+
+    Parameters
+    ----------
+    candidates : Candidates
+        From `palms.observation.search`.
+    points : ScanPoints
+        The same scan.
+    raster : PlanRaster
+    settings : Settings
+    key : RandomKey
+    own_frame : bool
+        Whether the walk's frame is not the scan's: the drift is then anything.
+    """
+    observation, n = settings.observation, settings.start.n_particles
+    n_spare = round(n * settings.start.spare_share) if observation.elsewhere > 0 else 0
+    likely = _judged(candidates, points, raster, settings, key)
+    index, weight = _by_root(likely.weight, n - n_spare, key.child(_JUDGE))
+    start = likely.take(index, weight)
+    if own_frame:
+        start = replace(start, drift_rad=start_everywhere(raster, len(start), key).drift_rad)
+    if not n_spare:
+        return start
+    drifts = None if own_frame else candidates.drifts_rad
+    spare = anywhere(raster, n_spare, drifts, candidates.drift_step_rad, key.child(_SPARE))
+    return mixed(start, spare, observation.elsewhere)
+
+
+def _judged(
+    candidates: Candidates,
+    points: ScanPoints,
+    raster: PlanRaster,
+    settings: Settings,
+    key: RandomKey,
+) -> Particles:
+    """Propose poses by the candidates and weigh them by the likelihood."""
+    chance = np.exp(FLAT * (candidates.log_weight - candidates.log_weight.max()))
+    index, position, drift = _sampled(candidates, chance, settings.start.n_proposals, key)
+    nats = log_likelihood(points, raster, position, drift, settings.observation)
+    nats = settings.observation.strength * nats - np.log(chance[index])
+    weight = np.exp(nats - nats.max())
+    weight /= weight.sum()
+    return Particles(position, drift, np.ones(len(drift)), candidates.label[index], weight)
+
+
+def _sampled(
+    candidates: Candidates, chance: FloatArray, n: int, key: RandomKey
+) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray]:
+    """Draw n cells by their chance, and a pose in each: index, position and drift."""
+    index = resample_systematic(chance, n, key.child(_PROPOSE))
+    position, drift, turn = np.empty((n, 2)), np.empty(n), np.empty((n, 1))
+    loops.place(
+        candidates.cells, candidates.drift_rad, index, candidates.grid.cell_size_m,
+        candidates.grid.origin_m, key.child(_PROPOSE, 1).word, position, drift,
+    )  # fmt: skip
+    loops.uniforms(key.child(_PROPOSE, 2).word, 1, turn)
+    return index, position, drift + (turn[:, 0] - 0.5) * candidates.drift_step_rad
+
+
+def anywhere(
+    raster: PlanRaster, n: int, drifts_rad: FloatArray | None, step_rad: float, key: RandomKey
+) -> Particles:
+    """Sample particles over the inside of the building, with any of some drifts.
+
+    Parameters
+    ----------
+    raster : PlanRaster
+    n : int
+    drifts_rad : (K,), optional
+        Any drift when left out.
+    step_rad : float
+        The drift may lie half of this to either side.
+    key : RandomKey
+    """
+    spread = start_everywhere(raster, n, key, drifts_rad)
+    turn = np.empty((n, 1))
+    loops.uniforms(key.child(_JITTER).word, 1, turn)
+    return replace(spread, drift_rad=spread.drift_rad + (turn[:, 0] - 0.5) * step_rad)
+
+
+def mixed(belief: Particles, others: Particles, share: float) -> Particles:
+    """Return one population of two, of which the second holds a share of the weight.
+
+    Examples
+    --------
+    >>> here, there = (Particles([[x, 0]], [0], [1], [0], [1]) for x in (0.0, 9.0))
+    >>> mixed(here, there, 0.25).weight.tolist()
+    [0.75, 0.25]
+    """
+    return Particles(
+        np.concatenate([belief.position_m, others.position_m]),
+        np.concatenate([belief.drift_rad, others.drift_rad]),
+        np.concatenate([belief.scale, others.scale]),
+        np.concatenate([belief.label, others.label]),
+        np.concatenate([(1 - share) * belief.weight, share * others.weight]),
+        np.concatenate([belief.drift_rate_rad_per_s, others.drift_rate_rad_per_s]),
+    )
+
+
+def pushed(candidates: Candidates, n: int, moved_m: FloatArray, key: RandomKey) -> Particles:
+    """Sample the candidates, carried along by what was walked since their scan.
+
+    Parameters
+    ----------
+    candidates : Candidates
+    n : int
+    moved_m : (2,)
+        From the scan's observation point to the phone, odom frame.
+    key : RandomKey
+    """
+    root = np.exp(0.5 * (candidates.log_weight - candidates.log_weight.max()))
+    index, position, drift = _sampled(candidates, root, n, key)
+    left = root[index]
+    return Particles(
+        position + rotate_each(moved_m, drift), drift, np.ones(n), candidates.label[index],
+        left / left.sum(),
+    )  # fmt: skip
+
+
+def adapted(
+    particles: Particles,
+    raster: PlanRaster,
+    settings: ResamplingSettings,
+    most: int,
+    key: RandomKey,
+    count: bool = True,
+) -> Particles:
+    """Draw the particles anew when few of them count, or when fewer would do.
+
+    Parameters
+    ----------
+    particles : Particles
+    raster : PlanRaster
+    settings : ResamplingSettings
+    most : int
+        Never more than this.
+    key : RandomKey
+        Of this step.
+    count : bool
+        Whether to look if fewer would do, even if the effective sample size is fine.
+    """
+    n = len(particles)
+    starved = effective_sample_size(particles.weight) < settings.ess_share * n
+    if not starved and not count:
+        return particles
+    bins = counts.occupied(
+        particles.position_m, particles.drift_rad, particles.weight, DUST / n, settings.bin_m,
+        settings.bin_rad,
+    )  # fmt: skip
+    wanted = int(min(max(settings.per_bin * bins, settings.min_particles), most))
+    if not starved and wanted > SHRINK * n:
+        return particles
+    index, weight = _by_root(particles.weight, wanted, key.child(_ADAPT))
+    return _jittered(particles.take(index, weight), raster, settings, key)
+
+
+def _by_root(
+    weight: FloatArray, n: int, key: RandomKey
+) -> tuple[npt.NDArray[np.int64], FloatArray]:
+    """Draw n indices by the root of the weights; return them with their new weights."""
+    root = np.sqrt(weight)
+    index = resample_systematic(root, n, key)
+    left = root[index]
+    return index, left / left.sum()
+
+
+def _jittered(
+    particles: Particles, raster: PlanRaster, settings: ResamplingSettings, key: RandomKey
+) -> Particles:
+    """Spread copies a little: the fewer there are, the more; none through a wall."""
+    n = len(particles)
+    z = np.empty((n, 4))
+    loops.normals(key.child(_JITTER).word, 4, z)
+    spread_m = settings.jitter_m * min(1.0, math.sqrt(settings.min_particles / n))
+    position = particles.position_m + spread_m * z[:, :2]
+    blocked = raster.blocked(particles.position_m, position)
+    position[blocked] = particles.position_m[blocked]
+    return replace(
+        particles, position_m=position,
+        drift_rad=particles.drift_rad + settings.jitter_rad * z[:, 2],
+        scale=particles.scale + settings.jitter_scale * z[:, 3],
+    )  # fmt: skip

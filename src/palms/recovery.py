@@ -1,0 +1,172 @@
+"""Found again: other places taken into a belief, by what a scan says or because it is lost."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from palms.belief import Belief, Stage
+from palms.declaration import doubted, judge
+from palms.geometry import FloatArray, rotate_each
+from palms.heatmap import Candidates
+from palms.observation import ScanPoints, log_likelihood
+from palms.particles import Particles, reweight, with_scales
+from palms.population import adapted, anywhere, mixed, pushed, start_posterior
+from palms.randomness import RandomKey
+from palms.raster import PlanRaster
+from palms.settings import MotionSettings, Settings
+
+__all__ = ["Conditions", "Sighting", "look_again", "look_elsewhere"]
+
+LARGEST_NATS = 300.0  # ours: a scan says no more than this; larger numbers overflow
+N_TURNS = 64  # ours: so many of the belief's drifts stand for all
+TURN_RAD = 0.1  # ours: spread around each
+
+
+class Conditions(NamedTuple):
+    """What does not change while a phone is followed.
+
+    Attributes
+    ----------
+    raster : PlanRaster
+    settings : Settings
+    motion : MotionSettings
+        For the phone's kind of odometry.
+    own_frame : bool
+        Whether the odometry's frame is not the scan's.
+    """
+
+    raster: PlanRaster
+    settings: Settings
+    motion: MotionSettings
+    own_frame: bool
+
+
+class Sighting(NamedTuple):
+    """What the latest scan said, and how far the phone has moved since.
+
+    Attributes
+    ----------
+    candidates : Candidates
+    moved_m : (2,)
+        From the scan's observation point, odom frame.
+    """
+
+    candidates: Candidates
+    moved_m: FloatArray
+
+
+def look_elsewhere(
+    belief: Belief, sighting: Sighting | None, conditions: Conditions, key: RandomKey
+) -> Belief:
+    """Take other places into a belief that is lost.
+
+    Half of them are the latest scan's candidates, carried along by the odometry since; the
+    others lie anywhere, with the drifts of the belief.
+
+    Parameters
+    ----------
+    belief : Belief
+    sighting : Sighting or None
+        None when there was no scan.
+    conditions : Conditions
+    key : RandomKey
+    """
+    raster, settings, motion, own_frame = conditions
+    declaration, particles = settings.declaration, belief.particles
+    n = max(1, settings.start.n_particles // 2)
+    turns = particles.drift_rad[:: max(1, len(particles) // N_TURNS)]
+    others = anywhere(raster, n, turns, TURN_RAD, key.child(0))
+    if sighting is not None and not own_frame:
+        seen = pushed(sighting.candidates, n, sighting.moved_m, key.child(1))
+        others = mixed(others, seen, 0.5)
+    others = with_scales(others, motion, key.child(2))
+    wider = mixed(particles, others, declaration.search_share)
+    unsure = replace(belief, doubt=declaration.doubt_after_search)
+    return replace(judge(unsure, wider, 0.0, None, declaration), stage=Stage.LOST)
+
+
+def look_again(
+    belief: Belief,
+    sighting: Sighting,
+    points: ScanPoints,
+    conditions: Conditions,
+    key: RandomKey,
+) -> Belief:
+    """Weigh a belief by one more scan, and take in the places that the scan knows of.
+
+    The scan speaks for a particle by its likelihood there against that anywhere; with the
+    probability `elsewhere` it says nothing. What it speaks against the belief as a whole is
+    doubt, and gives that share of the belief to the scan's own places.
+
+    Parameters
+    ----------
+    belief : Belief
+    sighting : Sighting
+        The scan's candidates, and the way from its observation point to the phone.
+    points : ScanPoints
+    conditions : Conditions
+    key : RandomKey
+    """
+    raster, settings, motion, own_frame = conditions
+    observation, declaration = settings.observation, settings.declaration
+    particles, kept = reweight(
+        belief.particles, _ratio(belief.particles, sighting, points, conditions)
+    )
+    doubt = doubted(belief.doubt, kept, declaration)
+    others = start_posterior(sighting.candidates, points, raster, settings, key, own_frame)
+    others = with_scales(carried(others, sighting.moved_m), motion, key)
+    wider = adapted(
+        mixed(particles, others, doubt), raster, settings.resampling,
+        settings.start.n_particles, key,
+    )  # fmt: skip
+    left = max(doubt * observation.elsewhere, declaration.doubt_floor)
+    return judge(replace(belief, doubt=left), wider, 0.0, None, declaration)
+
+
+def carried(particles: Particles, by_odom_m: FloatArray) -> Particles:
+    """Carry particles along by a displacement (2,) in the odom frame.
+
+    Examples
+    --------
+    >>> one = Particles([[0, 0]], [np.pi / 2], [1], [0], [1])
+    >>> carried(one, np.array([2.0, 0.0])).position_m.round(6).tolist()
+    [[0.0, 2.0]]
+    """
+    if not by_odom_m.any():
+        return particles
+    offset = rotate_each(by_odom_m, particles.drift_rad)
+    return replace(particles, position_m=particles.position_m + offset)
+
+
+def _ratio(
+    particles: Particles, sighting: Sighting, points: ScanPoints, conditions: Conditions
+) -> FloatArray:
+    """Likelihood of a scan at each particle against that anywhere (N,)."""
+    observation, found = conditions.settings.observation, sighting.candidates
+    at_scan = particles.position_m - rotate_each(sighting.moved_m, particles.drift_rad)
+    if conditions.own_frame:
+        nats = _log_ratio_of_places(at_scan, found, conditions.raster)
+    else:
+        nats = log_likelihood(
+            points, conditions.raster, at_scan, particles.drift_rad, observation
+        )  # fmt: skip
+        nats = observation.strength * nats - found.log_mean
+    ratio: FloatArray = np.exp(np.minimum(nats, LARGEST_NATS))
+    return (1 - observation.elsewhere) * ratio + observation.elsewhere
+
+
+def _log_ratio_of_places(
+    position_m: FloatArray, found: Candidates, raster: PlanRaster
+) -> FloatArray:
+    """Log ratio of a scan's share of each place, whatever its drift, to an even share."""
+    share = np.zeros(found.grid.shape)
+    np.add.at(share, tuple(found.cells.T), np.exp(found.log_weight))
+    even = (raster.grid.cell_size_m / found.grid.cell_size_m) ** 2 * raster.inside.sum()
+    cell = found.grid.cell_of(position_m)
+    on = found.grid.contains(position_m)
+    ratio = np.full(len(position_m), np.exp(-LARGEST_NATS))
+    ratio[on] = np.maximum(share[tuple(cell[on].T)] * even, ratio[on])
+    return np.asarray(np.log(ratio))

@@ -1,0 +1,195 @@
+"""The groups of settings that the paper does not have: our likelihood, filter and declaration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from palms.settings.checks import check
+
+__all__ = ["DeclarationSettings", "ObservationSettings", "ResamplingSettings"]
+
+
+@dataclass(frozen=True, slots=True)
+class ObservationSettings:
+    """What a scan says about a place: the likelihood of our method.
+
+    Parameters
+    ----------
+    wall_sd_m : float
+        How far a seen wall lies from the plan's, standard deviation (ours, fitted).
+    unexplained_share : float
+        Share of a scan's metres of wall that the plan does not have (ours, fitted).
+    empty_nats_per_m : float
+        What a metre of the plan's wall costs where the scan proves empty space (ours, fitted).
+    empty_margin_m : float
+        Proven empty space ends so far before the wall that was seen (ours).
+    empty_range_m : float
+        It reaches no farther than this (ours).
+    strength : float
+        All of it is raised to this power, because the metres of one wall are not independent
+        (ours, fitted).
+    elsewhere : float
+        Probability that the plan does not show the scan's surroundings at all; so much of
+        the belief starts anywhere (ours, fitted).
+    spacing_m : float
+        Between the points that stand for walls and for empty space (ours).
+    drift_step_rad : float
+        Between the drifts that are tried (ours: 5 degrees).
+    drift_share : float
+        Drifts whose walls agree in direction less than this share of the best drift's are
+        not tried (ours).
+    cell_size_m : float
+        Of the search; the poses drawn from it are judged one by one (ours).
+    max_cells : int
+        Larger buildings are searched with larger cells (ours).
+    keep_nats : float
+        Cells that fall short of the best by more than this are dropped (ours).
+    max_candidates : int
+        So many cells are kept at the most (ours).
+    """
+
+    wall_sd_m: float = 0.12
+    unexplained_share: float = 0.05
+    empty_nats_per_m: float = 3.0
+    empty_margin_m: float = 0.3
+    empty_range_m: float = 8.0
+    strength: float = 0.8
+    elsewhere: float = 0.1
+    spacing_m: float = 0.2
+    drift_step_rad: float = 0.08726646259971647
+    drift_share: float = 0.1
+    cell_size_m: float = 0.2
+    max_cells: int = 1_000_000
+    keep_nats: float = 14.0
+    max_candidates: int = 100_000
+
+    def __post_init__(self) -> None:
+        check(
+            "observation",
+            wall_sd_m=(0 < self.wall_sd_m <= 2, "above 0, at most 2 m", self.wall_sd_m),
+            unexplained_share=(
+                0 < self.unexplained_share < 1, "between 0 and 1", self.unexplained_share
+            ),
+            empty_nats_per_m=(self.empty_nats_per_m >= 0, "0 or more", self.empty_nats_per_m),
+            strength=(0 < self.strength <= 1, "above 0, at most 1", self.strength),
+            elsewhere=(0 <= self.elsewhere < 1, "0 to below 1", self.elsewhere),
+            spacing_m=(0.01 <= self.spacing_m <= 1, "0.01 to 1 m", self.spacing_m),
+            drift_step_rad=(
+                0.005 <= self.drift_step_rad <= 0.8, "0.005 to 0.8 rad", self.drift_step_rad
+            ),
+            cell_size_m=(0.02 <= self.cell_size_m <= 2, "0.02 to 2 m", self.cell_size_m),
+            max_candidates=(self.max_candidates >= 1, "at least 1", self.max_candidates),
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class ResamplingSettings:
+    """When particles are drawn anew, and how many.
+
+    Parameters
+    ----------
+    scheme : {"survivors", "every-step", "adaptive"}
+        A particle that hits a wall becomes a copy of a survivor (paper III-C); all are drawn
+        anew at every step (authors' code); or as below (ours).
+    ess_share : float
+        Draw anew when the effective sample size falls below this share of the particles
+        (ours).
+    min_particles : int
+        As few as this when they have gathered (ours).
+    per_bin : float
+        Particles for each bin that they occupy (Fox 2003, simplified; number ours).
+    bin_m, bin_rad : float
+        Sides of such a bin (ours).
+    check_moves : int
+        Moves between two counts of the bins (ours).
+    jitter_m, jitter_rad, jitter_scale : float
+        Spread of a copied particle's place, drift and scale (ours).
+    """
+
+    scheme: Literal["survivors", "every-step", "adaptive"] = "survivors"
+    ess_share: float = 0.5
+    min_particles: int = 1500
+    per_bin: float = 10.0
+    bin_m: float = 0.5
+    bin_rad: float = 0.17453292519943295
+    check_moves: int = 8
+    jitter_m: float = 0.03
+    jitter_rad: float = 0.004
+    jitter_scale: float = 0.003
+
+    def __post_init__(self) -> None:
+        check(
+            "resampling",
+            ess_share=(0 <= self.ess_share <= 1, "0 to 1", self.ess_share),
+            min_particles=(self.min_particles >= 1, "at least 1", self.min_particles),
+            per_bin=(self.per_bin > 0, "above 0", self.per_bin),
+            bin_m=(self.bin_m > 0, "above 0 m", self.bin_m),
+            bin_rad=(0 < self.bin_rad <= 6.3, "above 0, at most 6.3 rad", self.bin_rad),
+            check_moves=(self.check_moves >= 1, "at least 1", self.check_moves),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class DeclarationSettings:
+    """When our method says that it is oriented, localized or lost.
+
+    Parameters
+    ----------
+    rule : {"clusters", "probability"}
+        Labels and clusters, final once reached (paper III-D, see `ConvergenceSettings`), or
+        as below (ours).
+    enter, leave : float
+        `p_within_2m` from which it is localized, and below which no longer (ours, chosen on
+        development data).
+    oriented_share, oriented_rad : float
+        Oriented while this share of the belief lies this near to one drift (ours: 90 % and
+        15 degrees).
+    doubt_at_start : float
+        Probability that the belief does not hold the truth before the first move (ours).
+    doubt_floor : float
+        It never falls below this (ours).
+    stray_nats_per_m : float
+        Evidence that a belief in the wrong place loses to walls with each metre (ours,
+        fitted): what a belief loses less speaks for it, what it loses more against.
+    lost : float
+        Doubt above this means lost (ours).
+    doubt_after_search : float
+        Doubt once other places were taken in again (ours).
+    search_share : float
+        Share of the belief given to other places then (ours).
+    search_every_m : float
+        Metres between two such searches (ours).
+    """
+
+    rule: Literal["clusters", "probability"] = "clusters"
+    enter: float = 0.97
+    leave: float = 0.85
+    oriented_share: float = 0.9
+    oriented_rad: float = 0.2617993877991494
+    doubt_at_start: float = 0.05
+    doubt_floor: float = 0.005
+    stray_nats_per_m: float = 0.2
+    lost: float = 0.5
+    doubt_after_search: float = 0.2
+    search_share: float = 0.5
+    search_every_m: float = 8.0
+
+    def __post_init__(self) -> None:
+        check(
+            "declaration",
+            enter=(0 < self.enter <= 1, "above 0, at most 1", self.enter),
+            leave=(0 <= self.leave <= self.enter, "0 to enter", self.leave),
+            oriented_share=(
+                0 < self.oriented_share <= 1, "above 0, at most 1", self.oriented_share
+            ),
+            doubt_at_start=(0 <= self.doubt_at_start < 1, "0 to below 1", self.doubt_at_start),
+            doubt_floor=(0 <= self.doubt_floor < 1, "0 to below 1", self.doubt_floor),
+            stray_nats_per_m=(self.stray_nats_per_m >= 0, "0 or more", self.stray_nats_per_m),
+            lost=(0 < self.lost <= 1, "above 0, at most 1", self.lost),
+            doubt_after_search=(
+                0 <= self.doubt_after_search < 1, "0 to below 1", self.doubt_after_search
+            ),
+            search_share=(0 <= self.search_share < 1, "0 to below 1", self.search_share),
+            search_every_m=(self.search_every_m > 0, "above 0 m", self.search_every_m),
+        )  # fmt: skip
