@@ -160,7 +160,9 @@ def test_the_authors_particles_pass_through_walls_at_a_price(raster):
     position = np.tile([5.0, 4.9], (600, 1))
     position[300:] = [5.0, 1.0]
     particles = dataclasses.replace(crowd([5.0, 4.9], 600), position_m=position)
-    moved, info = advance(particles, Move(1, 0.0, 0.65), raster, authors.motion, KEY, authors.resampling)
+    moved, info = advance(
+        particles, Move(1, 0.0, 0.65), raster, authors.motion, KEY, authors.resampling
+    )
     beyond = moved.position_m[:, 1] > 4.0
     assert 0.1 < beyond.mean() < 0.4  # 0.3 against 1, drawn anew
     assert info.n_survived < 600

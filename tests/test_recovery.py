@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 
 from palms.belief import Stage
+from palms.errors import InputError
+from palms.floorplan import FloorPlan, Room
 from palms.geometry import rotate
+from palms.hints import Hint
 from palms.localizer import Localizer, track
 from palms.odometry import Move
 from palms.settings import Settings
@@ -85,3 +88,48 @@ def test_an_unknown_frame_is_found_by_walking():
     assert (error[declared] < 1.5).all()
     last = found.estimates[len(STEPS) - 1]
     assert abs(np.angle(np.exp(1j * (last.drift_rad - DRIFT - 1.9)))) < 0.3
+
+
+def test_a_right_hint_decides_between_places_and_a_wrong_one_does_not_lie():
+    scan = scan_at(START)
+    plain, helped, misled = (Localizer(PLAN, OURS, rng=4) for _ in range(3))
+    for localizer in (plain, helped, misled):
+        localizer.observe(scan)
+    right = helped.hint(Hint(START, radius_m=3.0, probability=0.9))
+    assert right.p_within_2m > plain.estimate.p_within_2m
+    wrong = misled.hint(Hint((17.0, 9.0), radius_m=2.0, probability=0.8))
+    assert off(wrong, START) < 0.5 or not wrong.is_localized
+    for move in walk(STEPS, DRIFT).moves():
+        misled.move(move)
+    assert off(misled.estimate, START + np.sum(STEPS, axis=0)) < 1.0
+
+
+def test_a_hint_before_the_scan_waits_for_it():
+    early, late = Localizer(PLAN, OURS, rng=4), Localizer(PLAN, OURS, rng=4)
+    hint = Hint(START, radius_m=3.0)
+    assert early.hint(hint).position_m is None
+    early.observe(scan_at(START))
+    late.observe(scan_at(START))
+    assert early.estimate.p_within_2m > late.estimate.p_within_2m
+    assert off(early.estimate, START) < 0.3
+
+
+def test_hints_that_cannot_be_are_refused():
+    localizer = Localizer(PLAN, OURS)
+    with pytest.raises(InputError, match="expected one of the plan's rooms"):
+        localizer.hint(Hint(room="Attic"))
+    with pytest.raises(InputError, match="a place in the building"):
+        localizer.hint(Hint((500.0, 500.0)))
+    with pytest.raises(InputError, match="a place or a room"):
+        Hint()
+
+
+def test_a_hint_names_a_room():
+    hall = Room("Hall", [[8.0, 0.0], [20.0, 0.0], [20.0, 5.0], [8.0, 5.0]])
+    plan = FloorPlan(PLAN.segments_m, rooms=(hall,))
+    localizer = Localizer(plan, OURS, rng=4)
+    localizer.observe(scan_at(START))
+    estimate = localizer.hint(Hint(room="Hall", probability=0.999))
+    share = localizer.belief.particles.weight[localizer.belief.particles.position_m[:, 0] > 7].sum()
+    assert share > 0.5
+    assert not estimate.is_localized

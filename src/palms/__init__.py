@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from palms.grid import Grid as Grid
     from palms.heatmap import Candidates as Candidates
     from palms.heatmap import Heatmaps as Heatmaps
+    from palms.hints import Hint as Hint
     from palms.io import read_floorplan as read_floorplan
     from palms.io import read_scan as read_scan
     from palms.io import read_walk as read_walk
@@ -63,6 +64,7 @@ _HOMES = {
     "Stage": "belief",
     "Candidates": "heatmap",
     "Heatmaps": "heatmap",
+    "Hint": "hints",
     "Localizer": "localizer",
     "Track": "localizer",
     "locate": "localizer",

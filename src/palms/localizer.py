@@ -16,6 +16,7 @@ from palms.errors import InputError
 from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
 from palms.heatmap import Candidates, find_candidates, match, scan_drifts
+from palms.hints import Hint
 from palms.observation import scan_points, search
 from palms.odometry import Move, Odometry
 from palms.orientation import candidate_drifts, principal_orientation, smallest_alignment
@@ -23,6 +24,7 @@ from palms.particles import (
     MoveInfo,
     Particles,
     advance,
+    reweight,
     start_everywhere,
     start_from,
     with_scales,
@@ -30,7 +32,7 @@ from palms.particles import (
 from palms.population import adapted, start_posterior
 from palms.randomness import RandomKey, as_key
 from palms.raster import PlanRaster, rasterize
-from palms.recovery import Conditions, Sighting, carried, look_again, look_elsewhere
+from palms.recovery import Conditions, Sighting, carried, look_again, look_elsewhere, take_hint
 from palms.scan import Scan
 from palms.settings import Settings
 
@@ -38,7 +40,7 @@ __all__ = ["Localizer", "Track", "Watcher", "locate", "track", "track_trials"]
 
 Watcher = Callable[[Estimate, Belief, MoveInfo], None]
 _START = 0  # key of the start; step i has key i + 1
-_SEARCH, _SCAN, _ADAPT = 21, 22, 23  # purposes of random numbers
+_SEARCH, _SCAN, _ADAPT, _HINT = 21, 22, 23, 24  # purposes of random numbers
 _BY_SCAN = ("scan", "posterior")
 
 
@@ -236,6 +238,7 @@ class Localizer:
         motion = self.settings.motion_for(source)
         self._conditions = Conditions(self.raster, self.settings, motion, own_frame)
         self._sighting: Sighting | None = None
+        self._hints: list[Hint] = []
         self._since_search_m = math.inf
         if self.settings.start.source == "uniform":
             self._begin(start_everywhere(self.raster, self._n, self._key.child(_START)))
@@ -275,6 +278,28 @@ class Localizer:
         self.estimate = self._summary(self.estimate.time_s)
         return self.estimate
 
+    def hint(self, hint: Hint) -> Estimate:
+        """Take what somebody says of where the phone is; only ours listens.
+
+        Before there is a belief it waits for the first scan.
+
+        Parameters
+        ----------
+        hint : Hint
+            Such as the entrance that one came in by, or a room sign just read.
+        """
+        if not self._ours:
+            return self.estimate
+        hint.ratio(np.zeros((1, 2)), self.raster)  # a hint that cannot be used is said at once
+        if self.belief is None:
+            self._hints.append(hint)
+            return self.estimate
+        self._step += 1
+        key = self._key.child(self._step, _HINT)
+        self.belief = take_hint(self.belief, hint, self._sighting, self._conditions, key)
+        self.estimate = self._summary(self.estimate.time_s)
+        return self.estimate
+
     def move(self, move: Move) -> Estimate:
         """Take one move of the odometry and return where that leads."""
         if move.time_s < self.estimate.time_s:
@@ -298,6 +323,9 @@ class Localizer:
         particles = with_scales(particles, self._conditions.motion, self._key.child(_START))
         self.belief = Belief(particles)
         if self._ours:
+            for hint in self._hints:
+                particles, _ = reweight(particles, hint.ratio(particles.position_m, self.raster))
+            self._hints.clear()
             declaration = self.settings.declaration
             unsure = replace(self.belief, doubt=declaration.doubt_at_start)
             self.belief = judge(unsure, particles, 0.0, None, declaration)

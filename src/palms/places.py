@@ -13,6 +13,8 @@ from palms.heatmap import Candidates
 __all__ = ["Place", "find_places"]
 
 SEPARATION_M = 1.0  # ours: as p_within_1m, one place
+SEPARATION_RAD = 0.35  # ours: 20 degrees
+DUST = 1e-6  # ours: cells of less than this of the best one's share are left out
 
 
 class Place(NamedTuple):
@@ -38,10 +40,11 @@ class Place(NamedTuple):
 
 
 def find_places(candidates: Candidates, separation_m: float = SEPARATION_M) -> tuple[Place, ...]:
-    """Gather candidate cells around the best of them, for each drift on its own.
+    """Gather candidate cells around the best of them, those of other drifts apart.
 
-    Going down the scores, a cell that no peak of its drift has within `separation_m` becomes
-    a peak; every other cell belongs to the nearest of the peaks before it.
+    Going down the scores, a cell that no peak has within `separation_m` becomes a peak; every
+    other cell belongs to the nearest of the peaks before it. A drift that differs by
+    `SEPARATION_RAD` counts as far as `separation_m`.
 
     Parameters
     ----------
@@ -70,32 +73,25 @@ def find_places(candidates: Candidates, separation_m: float = SEPARATION_M) -> t
         return ()
     share = np.exp(candidates.log_weight - candidates.log_weight.max())
     share *= min(candidates.mass, 1.0) / share.sum()
-    places: list[Place] = []
-    for label in np.unique(candidates.label):
-        places += _places_of(
-            candidates, np.flatnonzero(candidates.label == label), share, separation_m
+    index = np.flatnonzero(share >= DUST * share.max())
+    index = index[np.argsort(-candidates.score[index], kind="stable")]
+    position, drift = candidates.position_m[index], candidates.drift_rad[index]
+    reach = separation_m / SEPARATION_RAD
+    turned = reach * np.stack([np.cos(drift), np.sin(drift)], axis=1)
+    peaks, owner = _peaks(np.concatenate([position, turned], axis=1), separation_m)
+    p = np.bincount(owner, share[index], minlength=len(peaks))
+    places = (
+        Place(
+            float(position[i, 0]), float(position[i, 1]), float(wrap_angle(float(drift[i]))),
+            float(p[k]), float(candidates.score[index[i]]),
         )
+        for k, i in enumerate(peaks)
+    )  # fmt: skip
     return tuple(sorted(places, key=lambda place: (-place.p, -place.score)))
 
 
-def _places_of(
-    candidates: Candidates, index: npt.NDArray[np.int64], share: FloatArray, separation_m: float
-) -> list[Place]:
-    """Places of one drift, whose cells are `index`."""
-    index = index[np.argsort(-candidates.score[index], kind="stable")]
-    position = candidates.grid.position_of(candidates.cells[index])
-    peaks, owner = _peaks(position, separation_m)
-    p = np.bincount(owner, share[index], minlength=len(peaks))
-    drift = float(wrap_angle(float(candidates.drifts_rad[candidates.label[index[0]]])))
-    return [
-        Place(float(position[i, 0]), float(position[i, 1]), drift, float(p[k]),
-              float(candidates.score[index[i]]))
-        for k, i in enumerate(peaks)
-    ]  # fmt: skip
-
-
 def _peaks(position: FloatArray, separation_m: float) -> tuple[list[int], npt.NDArray[np.int64]]:
-    """Peaks among points (N, 2) in order of score, and each point's peak."""
+    """Peaks among points (N, D) in order of score, and each point's peak."""
     nearest = np.full(len(position), np.inf)
     owner = np.zeros(len(position), np.int64)
     peaks: list[int] = []
@@ -103,7 +99,7 @@ def _peaks(position: FloatArray, separation_m: float) -> tuple[list[int], npt.ND
         i = int(np.isinf(nearest).argmax())
         if not np.isinf(nearest[i]):
             return peaks, owner
-        away = np.hypot(*(position[i:] - position[i]).T)
+        away = np.linalg.norm(position[i:] - position[i], axis=1)
         mine = np.flatnonzero((away <= separation_m) & (away < nearest[i:])) + i
         nearest[mine], owner[mine] = away[mine - i], len(peaks)
         peaks.append(i)

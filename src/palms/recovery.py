@@ -11,6 +11,7 @@ from palms.belief import Belief, Stage
 from palms.declaration import doubted, judge
 from palms.geometry import FloatArray, rotate_each
 from palms.heatmap import Candidates
+from palms.hints import Hint
 from palms.observation import ScanPoints, log_likelihood
 from palms.particles import Particles, reweight, with_scales
 from palms.population import adapted, anywhere, mixed, pushed, start_posterior
@@ -18,7 +19,7 @@ from palms.randomness import RandomKey
 from palms.raster import PlanRaster
 from palms.settings import MotionSettings, Settings
 
-__all__ = ["Conditions", "Sighting", "look_again", "look_elsewhere"]
+__all__ = ["Conditions", "Sighting", "look_again", "look_elsewhere", "take_hint"]
 
 LARGEST_NATS = 300.0  # ours: a scan says no more than this; larger numbers overflow
 N_TURNS = 64  # ours: so many of the belief's drifts stand for all
@@ -74,18 +75,53 @@ def look_elsewhere(
     conditions : Conditions
     key : RandomKey
     """
+    declaration, particles = conditions.settings.declaration, belief.particles
+    wider = mixed(
+        particles, _others(particles, sighting, conditions, key), declaration.search_share
+    )
+    unsure = replace(belief, doubt=declaration.doubt_after_search)
+    return replace(judge(unsure, wider, 0.0, None, declaration), stage=Stage.LOST)
+
+
+def _others(
+    particles: Particles, sighting: Sighting | None, conditions: Conditions, key: RandomKey
+) -> Particles:
+    """Other places: anywhere with the drifts that are known, and what the latest scan said."""
     raster, settings, motion, own_frame = conditions
-    declaration, particles = settings.declaration, belief.particles
     n = max(1, settings.start.n_particles // 2)
     turns = particles.drift_rad[:: max(1, len(particles) // N_TURNS)]
     others = anywhere(raster, n, turns, TURN_RAD, key.child(0))
     if sighting is not None and not own_frame:
         seen = pushed(sighting.candidates, n, sighting.moved_m, key.child(1))
         others = mixed(others, seen, 0.5)
-    others = with_scales(others, motion, key.child(2))
-    wider = mixed(particles, others, declaration.search_share)
-    unsure = replace(belief, doubt=declaration.doubt_after_search)
-    return replace(judge(unsure, wider, 0.0, None, declaration), stage=Stage.LOST)
+    return with_scales(others, motion, key.child(2))
+
+
+def take_hint(
+    belief: Belief, hint: Hint, sighting: Sighting | None, conditions: Conditions, key: RandomKey
+) -> Belief:
+    """Weigh a belief by a hint; what the hint speaks against it goes to places that it allows.
+
+    Parameters
+    ----------
+    belief : Belief
+    hint : Hint
+    sighting : Sighting or None
+    conditions : Conditions
+    key : RandomKey
+    """
+    raster, settings = conditions.raster, conditions.settings
+    particles, kept = reweight(
+        belief.particles, hint.ratio(belief.particles.position_m, raster)
+    )  # fmt: skip
+    doubt = doubted(belief.doubt, kept, settings.declaration)
+    others = _others(particles, sighting, conditions, key)
+    others, _ = reweight(others, hint.ratio(others.position_m, raster))
+    wider = adapted(
+        mixed(particles, others, doubt), raster, settings.resampling,
+        settings.start.n_particles, key,
+    )  # fmt: skip
+    return judge(replace(belief, doubt=doubt), wider, 0.0, None, settings.declaration)
 
 
 def look_again(

@@ -48,8 +48,8 @@ class Settings:
         The groups of the paper's method; ours leaves out template, candidates and convergence.
     observation, resampling, declaration
         The groups of ours.
-    inertial : MotionSettings, optional
-        In place of `motion` where the odometry is inertial; None: the same.
+    inertial : MotionSettings
+        In place of `motion` where the odometry is inertial; the paper has one for both.
 
     Examples
     --------
@@ -72,19 +72,23 @@ class Settings:
     observation: ObservationSettings = field(default_factory=ObservationSettings)
     resampling: ResamplingSettings = _RESAMPLING
     declaration: DeclarationSettings = _DECLARATION
-    inertial: MotionSettings | None = _INERTIAL
+    inertial: MotionSettings = _INERTIAL
 
     @classmethod
     def paper(cls) -> Settings:
         """Return section III of the paper as written."""
         return cls(
             "paper", start=StartSettings(), motion=MotionSettings(),
-            resampling=ResamplingSettings(), declaration=DeclarationSettings(), inertial=None,
+            resampling=ResamplingSettings(), declaration=DeclarationSettings(),
+            inertial=MotionSettings(),
         )  # fmt: skip
 
     @classmethod
     def authors(cls) -> Settings:
         """Return what the authors published as code, as far as it differs from the paper."""
+        motion = MotionSettings(
+            length_m=0.356, direction_rad=0.05, drift_rad=0.015, scaling="sample", hit_weight=0.3
+        )
         return replace(
             cls.paper(), method="authors",
             template=TemplateSettings(
@@ -92,10 +96,7 @@ class Settings:
                 truncate_cells=3, range_sigma_m=10.0, floor_at_zero=True,
             ),
             start=StartSettings(orientation_from="axes"),
-            motion=MotionSettings(
-                length_m=0.356, direction_rad=0.05, drift_rad=0.015, scaling="sample",
-                hit_weight=0.3,
-            ),
+            motion=motion, inertial=motion,
             convergence=ConvergenceSettings(
                 bandwidth_m=None, recluster_steps=10, search_steps=5, withdraw=True,
                 divide_particles=True,
@@ -146,7 +147,7 @@ class Settings:
 
     def motion_for(self, source: Literal["vio", "inertial"]) -> MotionSettings:
         """Return the motion settings for a kind of odometry."""
-        return self.inertial if source == "inertial" and self.inertial else self.motion
+        return self.inertial if source == "inertial" else self.motion
 
     def with_particles(self, n_particles: int) -> Settings:
         """Return the same settings with another number of particles."""
