@@ -1,11 +1,31 @@
 """The oracle's belief against the exact one: enumerated, and by rejection sampling."""
 
+import json
+import shutil
+from dataclasses import asdict, fields, replace
+
 import numpy as np
 import pytest
 from scipy import stats
 
-from palms.evaluation.oracle import oracle_settings
-from palms.evaluation.simulation import draw_nuisances
+from palms.errors import FormatError, InputError
+from palms.evaluation.experiment import Batch, Experiment, Subject, run_batch
+from palms.evaluation.journal import Journal
+from palms.evaluation.oracle import ORACLE_PARTICLES, oracle_settings, shared_settings
+from palms.evaluation.report import Findings, experiment_report
+from palms.evaluation.sensitivity import read_trials
+from palms.evaluation.simulation import (
+    CaseSettings,
+    Count,
+    VioNoise,
+    draw_nuisances,
+    generate_levels,
+    make_site,
+    read_nuisances,
+    simulate_site,
+    write_simulated,
+)
+from palms.evaluation.worst import rerun, rerun_command
 from palms.geometry import rotate
 from palms.heatmap import find_candidates, match, scan_drifts
 from palms.motion import move_noise
@@ -13,7 +33,9 @@ from palms.odometry import Move
 from palms.particles import advance, start_everywhere, start_from, with_scales
 from palms.randomness import as_key
 from palms.raster import rasterize
+from palms.sample import sample_folder
 from palms.settings import MotionSettings, Settings
+from tests.evaluation.conftest import run_into
 from tests.worlds import seen_from, two_rooms
 
 RASTER = rasterize(two_rooms())
@@ -83,11 +105,133 @@ def rejection_sampled(motion, drifts, n):
 
 
 def test_the_oracle_is_our_method_told_the_noise():
-    nuisances = draw_nuisances(np.random.default_rng(3))
-    oracle, best = oracle_settings(nuisances), Settings()
-    assert (oracle.template, oracle.candidates) == (best.template, best.candidates)
-    assert oracle.convergence == best.convergence
+    vio = draw_nuisances(np.random.default_rng(3)).vio
+    oracle, best = oracle_settings(vio), Settings()
+    kept = [g.name for g in fields(Settings) if g.name not in ("method", "start", "motion")]
+    assert all(getattr(oracle, name) == getattr(best, name) for name in kept)
     noise = move_noise(0.65, oracle.motion, duration_s=4.0)
-    white = nuisances.vio_white_m_per_sqrt_m * np.sqrt(0.65)
+    white = vio.white_m_per_sqrt_m * np.sqrt(0.65)
     assert (noise.along_m, noise.across_m) == pytest.approx((white, white))
-    assert noise.drift_rad == pytest.approx(2 * nuisances.vio_heading_rad_per_sqrt_s)
+    assert noise.drift_rad == pytest.approx(2 * vio.heading_rad_per_sqrt_s)
+
+
+def test_what_a_case_decides_is_named_and_nothing_else():
+    shared, one = shared_settings(500), asdict(oracle_settings(VioNoise(0.003, 0.03, 0.03), 500))
+    told = {
+        f"{group}.{name}"
+        for group, values in shared.items() if isinstance(values, dict)
+        for name, value in values.items() if value != one[group][name]
+    }  # fmt: skip
+    assert told == {
+        "motion.length_m", "motion.direction_rad", "motion.drift_rad_per_sqrt_s", "start.scale_sd",
+    }  # fmt: skip
+    assert shared["start"]["scale_sd"] == "of the case"
+
+
+def test_doubling_the_particles_changes_hardly_anything():
+    """On the packaged sample; `python -m benchmarks.simulated oracle` measures it on floors."""
+    (case,) = Experiment(sample_folder(), ("paper",)).cases()
+    subject = replace(Subject.of(case), noise=VioNoise())
+    useful = []
+    for n in (ORACLE_PARTICLES, 2 * ORACLE_PARTICLES):
+        experiment = Experiment(sample_folder(), ("oracle",), particles=n)
+        batch = Batch(case.scene, case.name, "oracle", (0, 1))
+        useful.append([r["useful"] for r in run_batch(subject, batch, experiment)])
+    assert np.mean(useful[1]) == pytest.approx(np.mean(useful[0]), abs=0.01)
+    assert np.mean(useful) > 0.3
+
+
+@pytest.fixture(scope="module")
+def simulated(tmp_path_factory):
+    """A data set of one building with two short walks."""
+    folder = tmp_path_factory.mktemp("simulated") / "floors"
+    site = make_site(generate_levels("office", 7, 1), 7)
+    for case in simulate_site(site, Count(1, 2), CaseSettings(length_m=25.0)):
+        write_simulated(folder, site, case, picture=False)
+    return folder
+
+
+def test_nuisances_are_read_as_they_were_written(simulated):
+    site = make_site(generate_levels("office", 7, 1), 7)
+    case = next(simulate_site(site, Count(1, 1), CaseSettings(length_m=25.0)))
+    (first, _) = Experiment(simulated, ("oracle",)).cases()
+    assert read_nuisances(first.folder) == case.nuisances
+    assert Experiment(simulated, ("oracle",)).subject(first).noise == case.nuisances.vio
+    assert Experiment(simulated, ("paper",)).subject(first).noise is None
+
+
+def test_each_walk_has_the_oracle_of_its_own_noise(simulated):
+    experiment = Experiment(simulated, ("oracle",))
+    noises = [experiment.subject(case).noise for case in experiment.cases()]
+    found = [experiment.settings("oracle", noise) for noise in noises]
+    assert found == [oracle_settings(noise) for noise in noises]
+    assert found[0] != found[1]
+
+
+def test_the_oracle_runs_in_processes_and_its_trials_are_run_again(simulated, tmp_path):
+    experiment = Experiment(simulated, ("paper", "oracle"), trials=2, particles=300)
+    one, two = (run_into(tmp_path / str(j), experiment, jobs=j) for j in (1, 2))
+    assert one == two
+    results = json.loads(one)
+    assert results["settings"]["oracle"]["motion"]["length_m"] == "of the case"
+    assert results["settings"]["oracle"]["start"]["n_particles"] == 300
+    records = Journal(tmp_path / "1", experiment.to_json(experiment.cases())).ordered(experiment)
+    case, record = experiment.cases()[1], records[-1]
+    subject = experiment.subject(case)
+    track = rerun(experiment, subject, record)
+    off = np.linalg.norm(track.position_m[-1] - subject.reference_m[-1])
+    assert (case.name, off) == (record["walk"], record["final_error_m"])
+    page = experiment_report(Findings(experiment, records, experiment.cases()))
+    assert "All settings of oracle" in page
+
+
+def test_the_command_for_a_trial_of_the_oracle_gives_that_trial(simulated, palms, tmp_path):
+    experiment = Experiment(simulated, ("oracle",), trials=2, seed=5, particles=300)
+    case = experiment.cases()[1]
+    batch = Batch(case.scene, case.name, "oracle", (1,))
+    (record,) = run_batch(experiment.subject(case), batch, experiment)
+    words = rerun_command(experiment, case, record).split()
+    result = palms(*words[1:-1], tmp_path / "rerun")
+    assert result.exit_code == 0, result.output
+    (_, trial) = read_trials(tmp_path / "rerun")
+    assert trial == {k: v for k, v in record.items() if k != "series"}
+
+
+def test_other_noise_is_another_experiment(simulated, tmp_path):
+    folder = tmp_path / "floors"
+    shutil.copytree(simulated, folder)
+    told, untold = (Experiment(folder, (name,)) for name in ("oracle", "paper"))
+    before = [each.to_json(each.cases())["data_sha256"] for each in (told, untold)]
+    path = told.cases()[0].folder / "nuisances.json"
+    path.write_text(path.read_text().replace('"seed": 7', '"seed": 8'))
+    after = [each.to_json(each.cases())["data_sha256"] for each in (told, untold)]
+    assert before[0] != after[0]
+    assert before[1] == after[1]
+
+
+def test_data_without_noise_is_refused_at_the_door(tmp_path):
+    with pytest.raises(InputError, match="method oracle on sample/walk-1: expected its noise"):
+        Experiment(sample_folder(), ("paper", "oracle")).cases()
+    with pytest.raises(InputError, match="method oracle: expected walk source arkit, got ronin"):
+        Experiment(sample_folder(), ("oracle",), walk_source="ronin")
+
+
+@pytest.mark.parametrize(
+    ("content", "says"),
+    [
+        ("[]", "schema palms-nuisances/1"),
+        ('{"schema": "palms-nuisances/1"}', "nuisances by name"),
+        ('{"schema": "palms-nuisances/1", "nuisances": {"thickness_m": 1}}', "offset_sd_m"),
+        (None, "vio_scale_sd"),
+    ],
+)
+def test_damaged_nuisances_are_named(simulated, tmp_path, content, says):
+    folder = tmp_path / "floors"
+    shutil.copytree(simulated, folder)
+    experiment = Experiment(folder, ("oracle",))
+    path = experiment.cases()[1].folder / "nuisances.json"
+    known = json.loads(path.read_text())
+    known["nuisances"]["vio_scale_sd"] = "much"
+    path.write_text(json.dumps(known) if content is None else content)
+    with pytest.raises(FormatError, match=f"{path}.*{says}"):
+        experiment.cases()

@@ -97,7 +97,7 @@ def test_a_rerun_is_the_trial_itself(experiment, records, palms, tmp_path):
     track = rerun(experiment, subject, record)
     off = np.linalg.norm(track.position_m[-1] - subject.reference_m[-1])
     assert off == record["final_error_m"]
-    command = rerun_command(experiment, case, "paper", record["seed"]).split()
+    command = rerun_command(experiment, case, record).split()
     assert command[0] == "palms"
     result = palms(*command[1:], "--json", tmp_path / "track.json")
     assert result.exit_code == 0, result.output
@@ -109,7 +109,7 @@ def test_a_rerun_is_the_trial_itself(experiment, records, palms, tmp_path):
 def test_a_rerun_says_what_is_not_as_usual(experiment):
     (case,) = experiment.cases()
     other = replace(experiment, particles=None, walk_source="ronin")
-    assert rerun_command(other, case, "paper", 3).endswith(
+    assert rerun_command(other, case, {"method": "paper", "seed": 3, "trial": 0}).endswith(
         "--method paper --seed 3 --walk-source ronin"
     )
 

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import base64
 import os
-import platform
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from html import escape
-from pathlib import Path
 from typing import Any, Final
 
 from matplotlib.figure import Figure
@@ -16,7 +14,8 @@ from matplotlib.figure import Figure
 from palms.evaluation import charts
 from palms.evaluation.bootstrap import aggregate
 from palms.evaluation.curves import Records, sampled_reliability, worst_trials
-from palms.evaluation.experiment import Experiment, Subject, finite
+from palms.evaluation.experiment import Experiment
+from palms.evaluation.provenance import machine
 from palms.evaluation.sensitivity import Effect
 from palms.evaluation.tables import (
     HEADLINE,
@@ -33,7 +32,7 @@ from palms.plot.output import image_bytes
 from palms.plot.page import html_page
 from palms.plot.report import installed_versions
 
-__all__ = ["Findings", "experiment_report", "machine", "write_experiment_report"]
+__all__ = ["Findings", "experiment_report", "write_experiment_report"]
 
 MAIN: Final = ("palms", "paper")  # whose worst cases are shown, the first that was run
 _DPI: Final = 120.0
@@ -104,7 +103,7 @@ def experiment_report(findings: Findings) -> str:
 
     Examples
     --------
-    >>> from palms.evaluation.experiment import Batch, run_batch
+    >>> from palms.evaluation.experiment import Batch, Subject, run_batch
     >>> from palms.sample import sample_folder
     >>> experiment = Experiment(sample_folder(), ("uniform",), trials=1, particles=50)
     >>> (case,) = experiment.cases()
@@ -124,26 +123,6 @@ def experiment_report(findings: Findings) -> str:
         _made(findings),
     ]
     return html_page(title, [_verdict(findings)], "\n".join(sections), _STYLE)
-
-
-def machine() -> dict[str, str]:
-    """Return what the experiment ran on.
-
-    Examples
-    --------
-    >>> sorted(machine())
-    ['Machine', 'Processor', 'System']
-    """
-    model = platform.processor() or "unknown"
-    info = Path("/proc/cpuinfo")
-    if info.is_file():
-        named = [line for line in info.read_text().splitlines() if line.startswith("model name")]
-        model = named[0].partition(":")[2].strip() if named else model
-    return {
-        "Machine": platform.machine(),
-        "Processor": f"{model}, {os.cpu_count()} cores",
-        "System": f"{platform.system()} {platform.release()}",
-    }
 
 
 def _verdict(findings: Findings) -> str:
@@ -254,11 +233,11 @@ def _worst(findings: Findings) -> Iterator[str]:
 
 
 def _worst_case(experiment: Experiment, case: Case, record: Mapping[str, Any]) -> str:
-    subject = Subject.of(case, experiment.walk_source)
+    subject = experiment.subject(case)
     track = rerun(experiment, subject, record)
     figure = case_figure(subject.plan, track, subject.reference_m)
     words = f"Plan of {case.scene} with the true path and the answers. {_told(record)}"
-    command = escape(rerun_command(experiment, case, record["method"], record["seed"]))
+    command = escape(rerun_command(experiment, case, record))
     return (
         f"<h3>{escape(case.title)}, seed {record['seed']}</h3>\n"
         f"{_picture(figure, words, _MAP_DPI)}\n<pre><code>{command}</code></pre>"
@@ -286,7 +265,7 @@ def _made(findings: Findings) -> str:
     rows = [["", ""], *({**installed_versions(), **machine()}).items()]
     parts.append(_table("Versions and machine", rows))
     for method in findings.by_method:
-        settings = finite(asdict(findings.experiment.settings(method)))
+        settings = findings.experiment.settings_json(method)
         table = _table(f"Settings of {method}", [["setting", "value"], *_flat(settings)])
         parts.append(f"<details>\n<summary>All settings of {method}</summary>\n{table}\n</details>")
     return _section("how", "How it was made", "\n".join(parts))
