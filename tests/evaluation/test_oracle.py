@@ -2,7 +2,7 @@
 
 import json
 import shutil
-from dataclasses import asdict, fields, replace
+from dataclasses import asdict, fields
 
 import numpy as np
 import pytest
@@ -17,12 +17,14 @@ from palms.evaluation.sensitivity import read_trials
 from palms.evaluation.simulation import (
     CaseSettings,
     Count,
+    TrueWalk,
     VioNoise,
     draw_nuisances,
     generate_levels,
     make_site,
     read_nuisances,
     simulate_site,
+    vio_odometry,
     write_simulated,
 )
 from palms.evaluation.worst import rerun, rerun_command
@@ -128,17 +130,35 @@ def test_what_a_case_decides_is_named_and_nothing_else():
     assert shared["start"]["scale_sd"] == "of the case"
 
 
+STEPS = [(0.5, 0.0)] * 4 + [(-0.5, 0.0)] * 7 + [(0.0, 0.6)] * 4 + [(0.6, 0.0)] * 24
+
+
+def small_case(seed):
+    """A walk through two rooms whose odometry errs as its noise says."""
+    position = np.array([5.0, 3.9]) + np.cumsum(STEPS, axis=0)
+    noise = draw_nuisances(np.random.default_rng(seed)).vio
+    time_s, heading = 0.55 * np.arange(1, len(STEPS) + 1), np.zeros(len(STEPS))
+    truth = TrueWalk(time_s, position, heading, [5.0, 3.9])
+    near = np.linalg.norm(RASTER.plan.segments_m.mean(axis=1) - truth.start_m, axis=1) < 4.5
+    return Subject(
+        "rooms", f"w{seed}", RASTER.plan, seen_from(truth.start_m, RASTER.plan.segments_m[near]),
+        vio_odometry(truth, 0.0, noise, np.random.default_rng([seed, 1])), position, noise,
+    )  # fmt: skip
+
+
+def useful(subjects, n):
+    experiment = Experiment(sample_folder(), ("oracle",), particles=n)
+    batches = [Batch(each.scene, each.walk, "oracle", (0,)) for each in subjects]
+    records = [run_batch(s, b, experiment) for s, b in zip(subjects, batches, strict=True)]
+    return float(np.mean([r["useful"] for walk in records for r in walk]))
+
+
 def test_doubling_the_particles_changes_hardly_anything():
-    """On the packaged sample; `python -m benchmarks.simulated oracle` measures it on floors."""
-    (case,) = Experiment(sample_folder(), ("paper",)).cases()
-    subject = replace(Subject.of(case), noise=VioNoise())
-    useful = []
-    for n in (ORACLE_PARTICLES, 2 * ORACLE_PARTICLES):
-        experiment = Experiment(sample_folder(), ("oracle",), particles=n)
-        batch = Batch(case.scene, case.name, "oracle", (0, 1))
-        useful.append([r["useful"] for r in run_batch(subject, batch, experiment)])
-    assert np.mean(useful[1]) == pytest.approx(np.mean(useful[0]), abs=0.01)
-    assert np.mean(useful) > 0.3
+    """In small rooms; ``python -m benchmarks.simulated oracle`` measures it on floors."""
+    subjects = [small_case(seed) for seed in range(3)]
+    enough, twice, few = (useful(subjects, n) for n in (ORACLE_PARTICLES, 2 * ORACLE_PARTICLES, 40))
+    assert abs(twice - enough) < 0.01
+    assert abs(twice - few) > 0.05
 
 
 @pytest.fixture(scope="module")
