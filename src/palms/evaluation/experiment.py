@@ -355,7 +355,7 @@ def as_results(experiment: Experiment, records: Sequence[Record]) -> dict[str, A
         "trials": [{k: v for k, v in r.items() if k != "series"} for r in records],
         "settings": {m: experiment.settings_json(m) for m in experiment.methods},
         "experiment": {
-            "dataset": experiment.dataset.resolve().name,
+            "dataset": experiment.dataset.absolute().name,
             "methods": list(experiment.methods), "trials": experiment.trials,
             "seed": experiment.seed, "particles": experiment.particles,
             "walk_source": experiment.walk_source, "only": list(experiment.only),
