@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from palms import InputError
-from palms.evaluation.bootstrap import Interval, aggregate, bootstrap_interval, reliability
+from palms.evaluation.bootstrap import (
+    Interval,
+    aggregate,
+    bootstrap_difference,
+    bootstrap_interval,
+    reliability,
+)
 from palms.evaluation.metrics import Answers, trial_metrics
 
 
@@ -114,3 +120,24 @@ def test_log_score_stays_finite():
 
 def test_interval_formats_all_three():
     assert f"{Interval(1.0, 0.5, 1.5, 3, 3):.1f}" == "1.0 [0.5, 1.5]"
+
+
+def test_a_difference_keeps_pairs_together():
+    rng = np.random.default_rng(1)
+    easy = rng.uniform(0, 1, 40)
+    units = [f"b{k}" for k in range(40)]
+    change = bootstrap_difference(easy, easy + 0.1 + rng.normal(0, 0.02, 40), units, units)
+    assert change.value == pytest.approx(0.1, abs=0.01)
+    assert 0.08 < change.low < 0.1 < change.high < 0.12
+    alone = bootstrap_interval(easy, units)
+    assert change.high - change.low < 0.2 * (alone.high - alone.low)
+
+
+def test_a_difference_of_means_counts_what_is_defined():
+    change = bootstrap_difference([0.0, np.nan, 1.0], [1.0, 3.0], ["a", "a", "b"], ["b", "a"])
+    assert (change.value, change.n, change.units) == (1.5, 4, 2)
+    none = bootstrap_difference([np.nan], [1.0], ["a"], ["a"])
+    assert np.isnan(none.value)
+    one = bootstrap_difference([1.0], [2.0], ["a"], ["a"])
+    assert one.value == 1.0
+    assert np.isnan(one.low)

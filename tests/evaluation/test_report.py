@@ -117,7 +117,7 @@ def test_a_rerun_says_what_is_not_as_usual(experiment):
 def test_effects_are_sorted_by_their_size(effects):
     useful = [e for e in effects if e.method == "paper" and e.figure == "useful"]
     assert [e.nuisance for e in useful] == ["more furniture", "as it was"]
-    assert useful[0].change < 0 == useful[1].change
+    assert useful[0].change.value < 0 == useful[1].change.value
 
 
 def test_other_results_are_read_or_refused(finished, tmp_path):

@@ -203,12 +203,12 @@ def _effects(findings: Findings) -> Iterator[str]:
         return
     words = (
         "For each nuisance a bar from the figure as it is (vertical line) to the figure with the "
-        "nuisance changed, whose 95 % interval is drawn at its end; the largest change on top. "
+        "nuisance changed; at its end the 95 % interval of the change; the largest one on top. "
         "Hatched bars are for the worse, full ones for the better."
     )
-    head = ["method", "figure", "nuisance", "as it is", "changed"]
+    head = ["method", "figure", "nuisance", "as it is", "changed", "change"]
     rows = [
-        [e.method, e.figure, e.nuisance, f"{e.before:.3f}", f"{e.after:.3f}"]
+        [e.method, e.figure, e.nuisance, f"{e.before:.3f}", f"{e.after:.3f}", f"{e.change:+.3f}"]
         for e in findings.effects
     ]
     content = _picture(charts.effects_figure(findings.effects), words)
