@@ -7,12 +7,13 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from benchmarks.page import put
+from benchmarks.page import around, put
 from benchmarks.simulated import nuisances
 from benchmarks.simulated.steps import bench, bench_only, read
 from benchmarks.simulated.studies import DOUBLING, MANY, PAPER, Nuisances
 from benchmarks.simulated.tables import buildings_table, doubling_table, paper_table
 from palms.errors import PalmsError
+from palms.io.files import make_folder
 
 EPILOG = """studies:
   paper      three floors, seven starts, two walks each, 100 trials; the oracle 10
@@ -41,8 +42,10 @@ def _parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
-    options.work.mkdir(parents=True, exist_ok=True)
     try:
+        if options.results:
+            around(options.study, options.results)
+        make_folder(options.work)
         text = table(options.study, options.work, options.jobs, options.results)
     except PalmsError as error:
         print(f"error: {error}", file=sys.stderr)
