@@ -141,3 +141,14 @@ def test_a_difference_of_means_counts_what_is_defined():
     one = bootstrap_difference([1.0], [2.0], ["a"], ["a"])
     assert one.value == 1.0
     assert np.isnan(one.low)
+
+
+@pytest.mark.parametrize(("n", "doubt"), [(3, 0.708), (20, 0.168)])
+def test_a_bin_in_which_all_came_true_is_not_beyond_doubt(n, doubt):
+    """Exact: binomial tables give [0, 0.168] for none of 20."""
+    units = [f"w{k}" for k in range(n) for _ in range(2)]
+    found = reliability([0.95] * 2 * n, [True] * 2 * n, units).came_true[-1]
+    assert (found.value, found.high) == (1.0, 1.0)
+    assert found.low == pytest.approx(1 - doubt, abs=1e-3)
+    none = reliability([0.05] * 2 * n, [False] * 2 * n, units).came_true[0]
+    assert (none.low, none.high) == (0.0, pytest.approx(doubt, abs=1e-3))

@@ -8,7 +8,12 @@ import pytest
 
 from palms.errors import InputError
 from palms.evaluation.experiment import Subject
-from palms.evaluation.report import Findings, experiment_report, write_experiment_report
+from palms.evaluation.report import (
+    Findings,
+    _told,
+    experiment_report,
+    write_experiment_report,
+)
 from palms.evaluation.sensitivity import nuisance_effects, read_trials
 from palms.evaluation.worst import rerun, rerun_command
 
@@ -67,6 +72,23 @@ def test_the_page_is_whole_and_needs_nothing_else(page):
 def test_the_page_says_the_headline_first(page):
     first = page.partition('class="verdict">')[2].lstrip()
     assert re.match(r"<p>When paper says that it is localized, it is wrong on \d+ %", first)
+
+
+def test_it_says_how_often_it_never_says_so(page):
+    assert re.search(r"It says so at all in \d+ % of the trials\.</p>", page)
+
+
+def test_what_is_told_of_a_case(records):
+    at = {"declared_after_m": 10.0, "right_after_m": None, "length_m": 90.0, "wrong": True,
+          "longest_false_m": 7.0, "useful": 0.25, "final_error_m": 3.0}  # fmt: skip
+    assert _told(at) == (
+        "Localized after 10 m of 90 m, wrongly. Longest wrong stretch 7 m. Useful on 25 % of the "
+        "metres. Off by 3.0 m at the end."
+    )
+    assert "wrongly. Rightly after 40 m." in _told(at | {"right_after_m": 40.0})
+    assert _told(at | {"declared_after_m": None}) == (
+        "Never localized in 90 m. Off by 3.0 m at the end."
+    )
 
 
 def test_a_page_of_several_buildings_has_a_table_for_each(experiment, records):

@@ -8,7 +8,7 @@ there are several), each with all of its trials.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -274,7 +274,8 @@ class Reliability:
     stated : (B,)
         Mean stated probability in each bin; NaN in an empty one.
     came_true : tuple of Interval
-        Share that came true in each bin.
+        Share that came true in each bin. Where all did or none, where a bootstrap knows no
+        doubt, the interval is the exact one of a binomial share, each unit counted once.
     brier : Interval
         Mean squared difference of probability and outcome; 0 is best.
     log_score : Interval
@@ -324,8 +325,18 @@ def reliability(
         inside = member == b
         if inside.any():
             mean[b] = p[inside].mean()
-        shares.append(bootstrap_interval(np.where(inside, true, np.nan), units))
+        shares.append(_share(np.where(inside, true, np.nan), units))
     kept = np.clip(p, LOG_FLOOR, 1 - LOG_FLOOR)
     logs = np.where(true > 0, np.log(kept), np.log1p(-kept))
     brier = bootstrap_interval((p - true) ** 2, units)
     return Reliability(mean, tuple(shares), brier, bootstrap_interval(logs, units))
+
+
+def _share(outcome: FloatArray, units: Sequence[object]) -> Interval:
+    found = bootstrap_interval(outcome, units)
+    if found.value not in (0.0, 1.0) or found.units < 2:
+        return found
+    seen = len({unit for unit, each in zip(units, outcome, strict=True) if not np.isnan(each)})
+    doubt = 1.0 - ((1.0 - LEVEL) / 2) ** (1.0 / seen)
+    low, high = (0.0, doubt) if found.value == 0.0 else (1.0 - doubt, 1.0)
+    return replace(found, low=low, high=high)

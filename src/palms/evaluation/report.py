@@ -15,7 +15,7 @@ from palms.evaluation import charts
 from palms.evaluation.bootstrap import aggregate
 from palms.evaluation.curves import Records, sampled_reliability, worst_trials
 from palms.evaluation.experiment import Experiment
-from palms.evaluation.provenance import machine
+from palms.evaluation.provenance import machine, source_digest
 from palms.evaluation.sensitivity import Effect
 from palms.evaluation.tables import (
     HEADLINE,
@@ -131,14 +131,16 @@ def _verdict(findings: Findings) -> str:
     if not method:
         return "No trials."
     chosen = findings.by_method[method]
-    figures = aggregate(chosen, units_of(chosen), ("false_localized", "right_after_m_full"))
-    false, metres = figures["false_localized"], figures["right_after_m_full"]
-    if not false.n:
+    names = ("false_localized", "right_after_m_full", "declared")
+    figures = aggregate(chosen, units_of(chosen), names)
+    if not figures["false_localized"].n:
         return f"{method} never says that it is localized."
     share = Column("", "false_localized", 100, 0).cell(figures)
+    said = Column("", "declared", 100, 0).cell(figures)
     return (
         f"When {method} says that it is localized, it is wrong on {share} % of the metres "
-        f"(false_localized); it comes to a right declaration after {metres:.0f} m."
+        f"(false_localized); it comes to a right declaration after "
+        f"{figures['right_after_m_full']:.0f} m. It says so at all in {said} % of the trials."
     )
 
 
@@ -245,24 +247,27 @@ def _worst_case(experiment: Experiment, case: Case, record: Mapping[str, Any]) -
 
 
 def _told(record: Mapping[str, Any]) -> str:
-    at, right = record["declared_after_m"], record["right_after_m"]
-    told = ["Never localized" if at is None else f"Localized after {at:.0f} m"]
-    told[0] += f" of {record['length_m']:.0f} m"
-    if at is not None and record["wrong"]:
-        told.append("wrongly" if right is None else f"wrongly; rightly after {right:.0f} m")
-    words = ", ".join(told) + f". Longest wrong stretch {record['longest_false_m']:.0f} m"
-    if record["useful"] is not None:
-        words += f", useful on {100 * record['useful']:.0f} % of the metres"
+    at, right, whole = (record[name] for name in ("declared_after_m", "right_after_m", "length_m"))
+    if at is None:
+        told = f"Never localized in {whole:.0f} m."
+    else:
+        told = f"Localized after {at:.0f} m of {whole:.0f} m"
+        told += ", wrongly." if record["wrong"] else "."
+        if record["wrong"] and right is not None:
+            told += f" Rightly after {right:.0f} m."
+        told += f" Longest wrong stretch {record['longest_false_m']:.0f} m."
+        told += f" Useful on {100 * (record['useful'] or 0.0):.0f} % of the metres."
     if record["final_error_m"] is not None:
-        words += f", {record['final_error_m']:.1f} m off at the end"
-    return words + "."
+        told += f" Off by {record['final_error_m']:.1f} m at the end."
+    return told
 
 
 def _made(findings: Findings) -> str:
     parts = []
     if findings.command:
         parts.append(f"<p>Command:</p>\n<pre><code>{escape(findings.command)}</code></pre>")
-    rows = [["", ""], *({**installed_versions(), **machine()}).items()]
+    made_of = {**installed_versions(), "Source": source_digest(), **machine()}
+    rows = [["", ""], *made_of.items()]
     parts.append(_table("Versions and machine", rows))
     for method in findings.by_method:
         settings = findings.experiment.settings_json(method)

@@ -35,7 +35,7 @@ _WIDE: Final = ("stages.png", "pipeline.png", "empty-space.png")  # scrolled on 
 _FOLDED: Final = (".gif",)  # moves: shown when asked for
 
 _STYLE: Final = """
-thead th, td.short, tbody th { white-space: nowrap; }
+thead th, td.short:not(:last-child), tbody th { white-space: nowrap; }
 .wide img { max-width: none; width: 100%; min-width: 46rem; }"""
 
 _MAIN: Final = Template("""<section aria-labelledby="numbers">
