@@ -77,7 +77,8 @@ def nuisances_table(results: Results, effects: Sequence[Effect], picture: str) -
     for name in dict.fromkeys(e.nuisance for e in by_size(effects)):
         changes = (found[name, *column].change for column in columns)
         rows.append([f"`{name}`", *(signed(change, 2) for change in changes)])
-    return _joined(_made(results), picture, markdown_table(rows))
+    words = "The first row has the figures as they are, the others by how much they change:"
+    return _joined(_made(results), picture, words, markdown_table(rows))
 
 
 def by_size(effects: Sequence[Effect]) -> list[Effect]:
