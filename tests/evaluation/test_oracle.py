@@ -234,6 +234,8 @@ def test_data_without_noise_is_refused_at_the_door(tmp_path):
         Experiment(sample_folder(), ("paper", "oracle")).cases()
     with pytest.raises(InputError, match="method oracle: expected walk source arkit, got ronin"):
         Experiment(sample_folder(), ("oracle",), walk_source="ronin")
+    with pytest.raises(InputError, match="method oracle: expected the noise of the walk"):
+        Experiment(sample_folder(), ("oracle",)).settings("oracle")
 
 
 @pytest.mark.parametrize(

@@ -188,9 +188,10 @@ class Experiment:
         return ORACLE in self.methods
 
     def settings(self, method: str, noise: VioNoise | None = None) -> Settings:
-        """Return the settings of a method on a walk; only the oracle's depend on the walk."""
+        """Return the settings of a method on a walk; only the oracle's depend on its noise."""
         if method == ORACLE:
-            assert noise is not None, "cases() looks for it at the door"
+            if noise is None:
+                raise InputError(f"method {ORACLE}", expected="the noise of the walk", got="none")
             return oracle_settings(noise, self.particles or ORACLE_PARTICLES)
         if method not in METHODS:
             raise SettingsError(
