@@ -12,7 +12,7 @@ from dataclasses import asdict, replace
 from typing import Any
 
 from palms.evaluation.simulation.settings import VioNoise
-from palms.settings import MotionSettings, Settings
+from palms.settings import Settings
 
 __all__ = ["ORACLE", "ORACLE_PARTICLES", "oracle_settings", "shared_settings"]
 
@@ -38,14 +38,14 @@ def oracle_settings(noise: VioNoise, n_particles: int = ORACLE_PARTICLES) -> Set
     best = Settings()
     step_m = best.motion.step_m
     white_m = noise.white_m_per_sqrt_m * step_m**0.5
-    motion = MotionSettings(
-        step_m=step_m,
+    motion = replace(
+        best.motion,
         length_m=white_m,
         direction_rad=white_m / step_m,  # as much across as along
         drift_rad=0.0,
         drift_rad_per_sqrt_s=noise.heading_rad_per_sqrt_s,
         jitter_m=0.0,
-        hit_weight=best.motion.hit_weight,
+        scaling="distance",
     )
     start = replace(best.start, n_particles=n_particles, scale_sd=noise.scale_sd)
     return replace(best, method=ORACLE, motion=motion, start=start)
