@@ -1,7 +1,7 @@
 """How real simulated scans are: them and those of the Radish logs, side by side, as Markdown.
 
-Run it from the repository: ``python tools/compare_scans.py --scans 100``. The logs are taken
-from ``$PALMS_DATA``; without them the table has the simulated scans alone.
+Run it from the repository: ``python tools/compare_scans.py --results docs/results.md``. The logs
+are taken from ``$PALMS_DATA``; without them the table has the simulated scans alone.
 """
 
 from __future__ import annotations
@@ -16,11 +16,14 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+from benchmarks.harness import machine_words
+from benchmarks.page import put
 from benchmarks.real.cases import Key, load_case
-from benchmarks.real.plans import cache_folder
+from benchmarks.real.plans import GRADES, cache_folder
 from benchmarks.real.radish import BUILDINGS, data_folder, starts
 from palms import PlanRaster, Scan, SegmentClass, Settings, rasterize
 from palms.evaluation.simulation import CaseSettings, generate_levels, make_site, simulate_start
+from palms.evaluation.tables import markdown_table
 from palms.geometry import FloatArray, distance_to_segments, lengths, rotate
 from palms.heatmap import match, scan_drifts
 
@@ -86,8 +89,12 @@ def _unmatched(walls: FloatArray, seen: Seen) -> float:
 
 
 def _rank(seen: Seen) -> float:
-    """Share of all cells of all four maps that score higher than the best near the truth."""
-    settings = Settings()
+    """Share of all cells of all four maps that score higher than the best near the truth.
+
+    The maps are the paper's, whatever our own method does: so the figures of several versions
+    can be compared.
+    """
+    settings = Settings.paper()
     drifts = scan_drifts(seen.scan, seen.raster, settings)
     grid = seen.raster.grid
     cells = grid.position_of(np.indices(grid.shape).transpose(1, 2, 0))
@@ -124,11 +131,8 @@ def table(columns: dict[str, list[Figures]]) -> str:
             [f"{np.mean([f.rank <= 0.001 for f in e]):.0%}" for e in columns.values()],
         ),
     ]
-    head = [
-        "| median (10 % to 90 %) | " + " | ".join(columns) + " |",
-        "|---" * (len(columns) + 1) + "|",
-    ]
-    return "\n".join(head + [f"| {name} | " + " | ".join(cells) + " |" for name, cells in rows])
+    head = ["median (10 % to 90 %)", *columns]
+    return markdown_table([head, *([name, *cells] for name, cells in rows)])
 
 
 def _spread(values: object, digits: int = 1) -> str:
@@ -141,15 +145,24 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--scans", type=int, default=100, help="simulated scans")
     parser.add_argument("--apart", choices=("position", "path"), default="path")
+    parser.add_argument("--results", type=Path, metavar="PAGE", help="put the table into it")
     options = parser.parse_args()
     columns = {"simulated": [figures(seen) for seen in simulated(options.scans)]}
     if (data_folder() / "radish").is_dir():
-        for grade in ("as-is", "10cm"):
+        for grade in GRADES:
             found = [figures(seen) for seen in real(grade, options.apart)]
             columns[f"Radish, plan {grade}"] = found
     else:
         print(f"no Radish data in {data_folder()}: set PALMS_DATA", file=sys.stderr)
-    print(table(columns))
+    seeds = f"{FIRST_SEED} to {FIRST_SEED + -(-options.scans // STARTS_EACH) - 1}"
+    text = (
+        f"Simulated: office floors of the seeds {seeds}, {STARTS_EACH} starts each. Radish: "
+        f"development starts 10 m apart by {options.apart}. Ranks are in the paper's heatmaps; "
+        f"{machine_words()}.\n\n{table(columns)}"
+    )
+    if options.results:
+        put("realism", text, options.results)
+    print(text)
 
 
 if __name__ == "__main__":

@@ -62,6 +62,6 @@ def as_json(plan: Plan) -> dict[str, Any]:
 
     Call it before the run: it holds a digest of the source, which may change meanwhile.
     """
-    content = real_as_json(plan, [])
+    content = real_as_json(plan)
     content["settings"]["benchmark"] = "mall"
     return content

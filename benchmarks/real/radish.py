@@ -23,6 +23,7 @@ APART_M = 10.0  # starts at least so far apart
 WALK_M, SHORTEST_WALK_M = 100.0, 60.0  # of each walk
 STEP_M, SPEED_M_S = 0.65, 1.2  # of a person
 JUMP_M = 3.0  # ours: a gap between poses beyond this is a jump of the log; walks end there
+ADDED_NOISE = VioNoise()  # to the walks; the oracle knows it
 
 
 def data_folder() -> Path:
@@ -105,7 +106,7 @@ def scan_of(observation: Observation) -> Scan:
 
 def odometry_of(walk: TrueWalk, drift_rad: float, seed: int) -> Odometry:
     """Return the walk with a VIO's drift added; each seed has its own."""
-    return vio_odometry(walk, drift_rad, VioNoise(), np.random.default_rng([seed, 7]))
+    return vio_odometry(walk, drift_rad, ADDED_NOISE, np.random.default_rng([seed, 7]))
 
 
 def choose_starts(log: Log, apart: str) -> list[int]:

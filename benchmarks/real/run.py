@@ -2,21 +2,25 @@
 
 from __future__ import annotations
 
-import hashlib
 import platform
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass
-from importlib.metadata import version
 from itertools import product
 from pathlib import Path
 from typing import Any
 
-import palms
 from benchmarks.real.cases import Key, load_case, run_trial
 from benchmarks.real.plans import GRADES, SUITES
-from benchmarks.real.radish import BUILDINGS, starts
+from benchmarks.real.radish import ADDED_NOISE, BUILDINGS, starts
 from palms import Settings
+from palms.evaluation.experiment import finite
+from palms.evaluation.oracle import ORACLE, oracle_settings
+from palms.evaluation.provenance import machine, versions
+from palms.settings import METHODS
+
+KNOWN = (*METHODS, ORACLE)
+ROWS = ("uniform", "uniform-ori", "paper", "authors", "no-scan", "palms", ORACLE)
 
 
 @dataclass(frozen=True)
@@ -56,41 +60,28 @@ def run(plan: Plan, cache: Path | None, jobs: int) -> Iterator[list[dict[str, An
 
 def _run_task(task: tuple[Key, str, Sequence[int], Path | None]) -> list[dict[str, Any]]:
     key, method, seeds, cache = task
-    settings = Settings.for_method(method)
+    settings = settings_of(method)
     case = load_case(key, cache, settings.raster)
     return [run_trial(case, method, settings, seed) for seed in seeds]
 
 
-def as_json(plan: Plan, trials: list[dict[str, Any]]) -> dict[str, Any]:
-    """Return the results in the schema palms-bench/1."""
-    packages = ("palms-localization", "numpy", "scipy", "numba")
+def settings_of(method: str) -> Settings:
+    """Return the settings of a method; the oracle knows the noise that is added to walks."""
+    return oracle_settings(ADDED_NOISE) if method == ORACLE else Settings.for_method(method)
+
+
+def as_json(plan: Plan) -> dict[str, Any]:
+    """Return the results in the schema palms-bench/1, without trials yet.
+
+    Call it before the run: it holds a digest of the source, which may change meanwhile.
+    """
     return {
         "schema": "palms-bench/1",
-        "trials": trials,
         "settings": {
             "benchmark": "radish",
             **asdict(plan),
-            "methods": {name: _finite(asdict(Settings.for_method(name))) for name in plan.methods},
+            "methods": {name: finite(asdict(settings_of(name))) for name in plan.methods},
         },
-        "versions": {
-            "python": platform.python_version(),
-            **{package: version(package) for package in packages},
-            "source": _source(),
-        },
+        "versions": {"python": platform.python_version(), **versions()},
+        "machine": machine(),
     }
-
-
-def _source() -> str:
-    """Digest of the method's source: results of different ones are not to be mixed."""
-    root = Path(palms.__file__).parent
-    files = sorted([*root.glob("*.py"), *root.glob("_compiled/*.py")])
-    return hashlib.sha256(b"".join(file.read_bytes() for file in files)).hexdigest()[:16]
-
-
-def _finite(value: Any) -> Any:
-    """Infinity is no number of JSON: it becomes a word."""
-    if isinstance(value, dict):
-        return {name: _finite(item) for name, item in value.items()}
-    return (
-        str(value) if isinstance(value, float) and value in (float("inf"), -float("inf")) else value
-    )

@@ -27,7 +27,7 @@ def test_each_field_is_as_the_interface_says(document):
 def test_true_place_is_among_them(palms, world):
     result = palms("locate", world.plan, world.scan, "--top", 1000, "--json", "-")
     candidates = json.loads(result.stdout)["candidates"]
-    assert sum(each["p"] for each in candidates) == pytest.approx(0.9)  # else anywhere
+    assert sum(each["p"] for each in candidates) == pytest.approx(0.9, abs=1e-3)  # else anywhere
     assert any(
         math.dist((each["x_m"], each["y_m"]), (2.0, 2.0)) < 0.5
         and abs(each["drift_rad"] - 0.4) < 0.05

@@ -32,9 +32,30 @@ def test_same_command_same_bytes(made, palms, tmp_path):
     again = tmp_path / "again"
     arguments = ("--building", "office", "--seed", 7, "--starts", 2, "--walks", 1, "--length", 30)
     assert palms("simulate", *arguments, "--out", again).exit_code == 0
-    files = {f.relative_to(out): f.read_bytes() for f in out.rglob("*") if f.is_file()}
-    others = {f.relative_to(again): f.read_bytes() for f in again.rglob("*") if f.is_file()}
-    assert files == others
+    assert contents(out) == contents(again)
+
+
+def contents(folder):
+    return {f.relative_to(folder): f.read_bytes() for f in folder.rglob("*") if f.is_file()}
+
+
+def test_processes_make_the_same_bytes(palms, tmp_path):
+    arguments = ("--building", "office", "--seed", 3, "--buildings", 2, "--starts", 3)
+    arguments = (*arguments, "--walks", 1, "--length", 30, "--json", "-")
+    found = []
+    for jobs in (1, 2):
+        out = tmp_path / str(jobs)
+        result = palms("simulate", *arguments, "--jobs", jobs, "--out", out)
+        assert result.exit_code == 0, result.output
+        found.append((contents(out), json.loads(result.stdout)["cases"]))
+    assert found[0] == found[1]
+    assert [case["scene"] for case in found[0][1]] == ["office-3", "office-3", "office-4"]
+
+
+def test_an_error_in_a_process_is_one_line(palms_fails, tmp_path):
+    arguments = ("--building", "office", "--buildings", 2, "--starts", 2, "--double", "luck")
+    line = palms_fails("simulate", *arguments, "--jobs", 2, "--out", tmp_path / "d")
+    assert "nuisance to double: expected one of" in line
 
 
 def test_starts_are_spread_over_buildings(palms, tmp_path):

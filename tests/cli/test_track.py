@@ -210,3 +210,8 @@ def test_wrong_usage_is_exit_code_2(palms, world, wrong):
 
 def test_walk_is_read_as_the_library_reads_it(world):
     assert len(read_walk(world.walk)) == world.steps
+
+
+def test_the_oracle_is_to_be_had_elsewhere(palms_fails, world):
+    line = palms_fails("track", world.plan, world.scan, world.walk, "--method", "oracle")
+    assert line.endswith("run it with: palms bench DATASET --methods oracle --out DIR")

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from palms.evaluation.experiment import Experiment, Journal
+from palms.evaluation.experiment import Experiment
+from palms.evaluation.journal import Journal
 from palms.evaluation.workers import run_experiment
 from palms.io import write_json
 from palms.sample import sample_folder

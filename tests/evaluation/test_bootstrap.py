@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 from palms import InputError
-from palms.evaluation.bootstrap import Interval, aggregate, bootstrap_interval, reliability
+from palms.evaluation.bootstrap import (
+    Interval,
+    aggregate,
+    bootstrap_difference,
+    bootstrap_interval,
+    reliability,
+)
 from palms.evaluation.metrics import Answers, trial_metrics
 
 
@@ -114,3 +120,35 @@ def test_log_score_stays_finite():
 
 def test_interval_formats_all_three():
     assert f"{Interval(1.0, 0.5, 1.5, 3, 3):.1f}" == "1.0 [0.5, 1.5]"
+
+
+def test_a_difference_keeps_pairs_together():
+    rng = np.random.default_rng(1)
+    easy = rng.uniform(0, 1, 40)
+    units = [f"b{k}" for k in range(40)]
+    change = bootstrap_difference(easy, easy + 0.1 + rng.normal(0, 0.02, 40), units, units)
+    assert change.value == pytest.approx(0.1, abs=0.01)
+    assert 0.08 < change.low < 0.1 < change.high < 0.12
+    alone = bootstrap_interval(easy, units)
+    assert change.high - change.low < 0.2 * (alone.high - alone.low)
+
+
+def test_a_difference_of_means_counts_what_is_defined():
+    change = bootstrap_difference([0.0, np.nan, 1.0], [1.0, 3.0], ["a", "a", "b"], ["b", "a"])
+    assert (change.value, change.n, change.units) == (1.5, 4, 2)
+    none = bootstrap_difference([np.nan], [1.0], ["a"], ["a"])
+    assert np.isnan(none.value)
+    one = bootstrap_difference([1.0], [2.0], ["a"], ["a"])
+    assert one.value == 1.0
+    assert np.isnan(one.low)
+
+
+@pytest.mark.parametrize(("n", "doubt"), [(3, 0.708), (20, 0.168)])
+def test_a_bin_in_which_all_came_true_is_not_beyond_doubt(n, doubt):
+    """Exact: binomial tables give [0, 0.168] for none of 20."""
+    units = [f"w{k}" for k in range(n) for _ in range(2)]
+    found = reliability([0.95] * 2 * n, [True] * 2 * n, units).came_true[-1]
+    assert (found.value, found.high) == (1.0, 1.0)
+    assert found.low == pytest.approx(1 - doubt, abs=1e-3)
+    none = reliability([0.05] * 2 * n, [False] * 2 * n, units).came_true[0]
+    assert (none.low, none.high) == (0.0, pytest.approx(doubt, abs=1e-3))

@@ -10,12 +10,12 @@ from palms.errors import InputError, PalmsError
 from palms.evaluation.experiment import (
     Batch,
     Experiment,
-    Journal,
     Subject,
     as_results,
     run_batch,
     trial_seed,
 )
+from palms.evaluation.journal import Journal
 from palms.evaluation.metrics import TrialMetrics
 from palms.io import RecordedWalk, write_case, write_plan
 from palms.sample import sample_folder
@@ -128,6 +128,15 @@ def test_other_data_is_another_experiment(tmp_path):
     assert experiment.to_json(experiment.cases()) != before
 
 
+def test_only_some_walks_run():
+    def titles(*only):
+        return [case.title for case in Experiment(sample_folder(), ("paper",), only=only).cases()]
+
+    assert titles("sample") == titles("*/walk-?") == titles("nobody", "sample/walk-1") == titles()
+    with pytest.raises(InputError, match="expected one called samp or w, got sample/walk-1"):
+        titles("samp", "w")
+
+
 def without_reference(folder):
     room = [[[0, 0], [9, 0]], [[9, 0], [9, 6]], [[9, 6], [0, 6]], [[0, 6], [0, 0]]]
     moves = Odometry([0.5, 1.0], [[0.6, 0.0], [1.2, 0.1]], session=("42",))
@@ -144,7 +153,7 @@ def test_a_walk_without_reference_is_refused_before_the_work(tmp_path):
 
 
 def test_methods_are_checked_and_counted_once():
-    with pytest.raises(PalmsError, match="oogle"):
+    with pytest.raises(PalmsError, match="no-scan, oracle, got 'oogle'"):
         Experiment(sample_folder(), ("paper", "oogle"))
     with pytest.raises(InputError, match="at least one"):
         Experiment(sample_folder(), ())

@@ -8,7 +8,12 @@ import pytest
 
 from palms.errors import InputError
 from palms.evaluation.experiment import Subject
-from palms.evaluation.report import Findings, experiment_report, write_experiment_report
+from palms.evaluation.report import (
+    Findings,
+    _told,
+    experiment_report,
+    write_experiment_report,
+)
 from palms.evaluation.sensitivity import nuisance_effects, read_trials
 from palms.evaluation.worst import rerun, rerun_command
 
@@ -69,6 +74,23 @@ def test_the_page_says_the_headline_first(page):
     assert re.match(r"<p>When paper says that it is localized, it is wrong on \d+ %", first)
 
 
+def test_it_says_how_often_it_never_says_so(page):
+    assert re.search(r"It says so at all in \d+ % of the trials\.</p>", page)
+
+
+def test_what_is_told_of_a_case(records):
+    at = {"declared_after_m": 10.0, "right_after_m": None, "length_m": 90.0, "wrong": True,
+          "longest_false_m": 7.0, "useful": 0.25, "final_error_m": 3.0}  # fmt: skip
+    assert _told(at) == (
+        "Localized after 10 m of 90 m, wrongly. Longest wrong stretch 7 m. Useful on 25 % of the "
+        "metres. Off by 3.0 m at the end."
+    )
+    assert "wrongly. Rightly after 40 m." in _told(at | {"right_after_m": 40.0})
+    assert _told(at | {"declared_after_m": None}) == (
+        "Never localized in 90 m. Off by 3.0 m at the end."
+    )
+
+
 def test_a_page_of_several_buildings_has_a_table_for_each(experiment, records):
     two = [{**r, "scene": scene} for scene in ("A", "B") for r in records[16:24]]
     page = experiment_report(Findings(experiment, two))
@@ -97,7 +119,7 @@ def test_a_rerun_is_the_trial_itself(experiment, records, palms, tmp_path):
     track = rerun(experiment, subject, record)
     off = np.linalg.norm(track.position_m[-1] - subject.reference_m[-1])
     assert off == record["final_error_m"]
-    command = rerun_command(experiment, case, "paper", record["seed"]).split()
+    command = rerun_command(experiment, case, record).split()
     assert command[0] == "palms"
     result = palms(*command[1:], "--json", tmp_path / "track.json")
     assert result.exit_code == 0, result.output
@@ -109,7 +131,7 @@ def test_a_rerun_is_the_trial_itself(experiment, records, palms, tmp_path):
 def test_a_rerun_says_what_is_not_as_usual(experiment):
     (case,) = experiment.cases()
     other = replace(experiment, particles=None, walk_source="ronin")
-    assert rerun_command(other, case, "paper", 3).endswith(
+    assert rerun_command(other, case, {"method": "paper", "seed": 3, "trial": 0}).endswith(
         "--method paper --seed 3 --walk-source ronin"
     )
 
@@ -117,7 +139,7 @@ def test_a_rerun_says_what_is_not_as_usual(experiment):
 def test_effects_are_sorted_by_their_size(effects):
     useful = [e for e in effects if e.method == "paper" and e.figure == "useful"]
     assert [e.nuisance for e in useful] == ["more furniture", "as it was"]
-    assert useful[0].change < 0 == useful[1].change
+    assert useful[0].change.value < 0 == useful[1].change.value
 
 
 def test_other_results_are_read_or_refused(finished, tmp_path):

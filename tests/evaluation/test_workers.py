@@ -12,7 +12,8 @@ import pytest
 
 from palms.errors import InputError, PalmsError
 from palms.evaluation import workers
-from palms.evaluation.experiment import BATCH, Journal
+from palms.evaluation.experiment import BATCH
+from palms.evaluation.journal import Journal
 from palms.evaluation.processes import in_processes
 from palms.evaluation.workers import run_experiment
 from tests.evaluation.conftest import run_into

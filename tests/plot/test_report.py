@@ -92,6 +92,7 @@ def test_a_walk_that_never_was_localized(blind):
     page = report_html(blind)
     assert "Not localized" in page
     assert page.count('<td class="short">never</td>') == 2
+    assert re.search(r"x\u00a0[\d.]+\u00a0m,\u00a0y\u00a0[\d.]+\u00a0m", page)  # not broken up
     assert "off by" in page
 
 

@@ -1,5 +1,6 @@
 """One case of the real benchmark from end to end; skipped where its data is not there."""
 
+import importlib
 import json
 import math
 import os
@@ -9,6 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+
+from palms.errors import InputError
+from palms.evaluation.provenance import source_digest
+from palms.evaluation.simulation import VioNoise
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("PALMS_DATA") or ROOT / ".." / "shared" / "data")
@@ -69,9 +74,59 @@ def test_a_trial_with_the_papers_method(bench, intel):
 
 
 def test_results_are_json(bench, tmp_path):
-    plan = bench["run"].Plan(("paper",), ("intel",), ("as-is",), ("clean",), seeds=1)
-    content = bench["run"].as_json(plan, [])
-    assert json.loads(json.dumps(content, allow_nan=False))["schema"] == "palms-bench/1"
+    plan = bench["run"].Plan(("paper", "oracle"), ("intel",), ("as-is",), ("clean",), seeds=1)
+    content = json.loads(json.dumps(bench["run"].as_json(plan), allow_nan=False))
+    assert content["schema"] == "palms-bench/1"
+    assert content["versions"]["source"] == source_digest()
+    assert content["settings"]["methods"]["oracle"]["start"]["scale_sd"] == VioNoise().scale_sd
+
+
+def test_the_oracle_knows_the_noise_that_is_added(bench, intel):
+    settings = bench["run"].settings_of("oracle").with_particles(500)
+    row = bench["cases"].run_trial(intel, "oracle", settings, seed=0)
+    assert (row["method"], settings.start.scale_sd) == ("oracle", VioNoise().scale_sd)
+    assert 0 <= row["useful"] <= 1
+
+
+def test_the_command_runs_and_fills_in_its_table(bench, tmp_path, monkeypatch):
+    main = importlib.import_module("benchmarks.real.__main__")
+    trial = {"scene": "intel", "grade": "as-is", "suite": "clean", "walk": "start-1"}
+    monkeypatch.setattr(main, "run", lambda *_: iter([[trial]]))
+    for name in ("markdown", "digest"):
+        monkeypatch.setattr(main, name, lambda trials, *_: f"{len(trials)} trials")
+    page = tmp_path / "page.md"
+    page.write_text("above\n<!-- table:radish -->\nold\n<!-- /table:radish -->\nbelow\n")
+    assert main.main(["--out", str(tmp_path / "r"), "--results", str(page)]) == 0
+    text = page.read_text()
+    assert text.startswith("above\n<!-- table:radish -->\n\nRadish, development starts")
+    assert text.endswith("1 trials\n\n<!-- /table:radish -->\nbelow\n")
+    results = json.loads((tmp_path / "r" / "results.json").read_text())
+    assert results["trials"] == [trial]
+    assert tuple(results["settings"]["methods"]) == bench["run"].ROWS
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ([], "--out DIR"),
+        (["--out", "r", "--methods", "magic"], "got magic"),
+        (["--out", "r", "--results", "no-such-page.md"], "no-such-page.md"),
+    ],
+)
+def test_what_cannot_end_is_refused(bench, tmp_path, monkeypatch, capsys, words, says):
+    monkeypatch.chdir(tmp_path)
+    main = importlib.import_module("benchmarks.real.__main__").main
+    with pytest.raises(SystemExit) as caught:
+        main(words)
+    assert caught.value.code == 2
+    assert says in capsys.readouterr().err
+
+
+def test_a_page_without_marks_is_refused(bench, tmp_path):
+    page = importlib.import_module("benchmarks.page")
+    (tmp_path / "page.md").write_text("<!-- table:radish -->")
+    with pytest.raises(InputError, match="expected the marks"):
+        page.put("radish", "text", tmp_path / "page.md")
 
 
 def test_a_case_written_as_a_data_set_reads_back(bench, intel, tmp_path):

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
+from palms.errors import SettingsError
+
 if TYPE_CHECKING:
     from palms.floorplan import FloorPlan
     from palms.io import RecordedWalk
@@ -33,6 +35,11 @@ def make_settings(
     """
     from palms.settings import Settings
 
+    if method == "oracle":
+        raise SettingsError(
+            "method oracle", expected="the noise that a walk was simulated with",
+            got="a walk alone", fix="run it with: palms bench DATASET --methods oracle --out DIR",
+        )  # fmt: skip
     settings = Settings.for_method(method)
     if cell_size_m is not None:
         settings = replace(settings, raster=replace(settings.raster, cell_size_m=cell_size_m))

@@ -12,7 +12,8 @@ from palms.cli._errors import INTERRUPTED
 from palms.cli._options import Source
 
 if TYPE_CHECKING:
-    from palms.evaluation.experiment import Experiment, Journal
+    from palms.evaluation.experiment import Experiment
+    from palms.evaluation.journal import Journal
     from palms.evaluation.sensitivity import Trials
     from palms.io import Case
 
@@ -29,7 +30,10 @@ def bench(
         typer.Option(metavar="DIR", help="Results; a run that was stopped goes on from them."),
     ],
     methods: Annotated[
-        str, typer.Option(metavar="NAMES", help="Methods, separated by commas.")
+        str,
+        typer.Option(
+            metavar="NAMES", help="Methods, separated by commas; oracle on simulated data alone."
+        ),
     ] = "uniform,uniform-ori,paper,palms",
     trials: Annotated[
         int, typer.Option(metavar="N", min=1, help="Trials for each method and walk.")
@@ -45,6 +49,13 @@ def bench(
     walk_source: Annotated[
         Source, typer.Option(help="Which odometry of the walks.")
     ] = Source.ARKIT,
+    only: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="WALK",
+            help="Only walks so called: SCENE or SCENE/WALK, with * and ?. Repeatable.",
+        ),
+    ] = None,
     compare: Annotated[
         list[str] | None,
         typer.Option(
@@ -55,10 +66,13 @@ def bench(
 ) -> None:
     """Run methods over all walks of a data set, many trials each; write results and a report."""
     from palms.cli._outputs import check_folder
-    from palms.evaluation.experiment import Experiment, Journal
+    from palms.evaluation.experiment import Experiment
+    from palms.evaluation.journal import Journal
 
     names = tuple(name.strip() for name in methods.split(",") if name.strip())
-    experiment = Experiment(dataset, names, trials, seed, particles, walk_source.value)
+    experiment = Experiment(
+        dataset, names, trials, seed, particles, walk_source.value, tuple(only or ())
+    )
     changed = _changed(compare or ())
     cases = experiment.cases()
     check_folder(out)
@@ -137,6 +151,7 @@ def _command(experiment: Experiment, out: Path) -> str:
         "--out": out,
     }  # fmt: skip
     given = [str(word) for pair in options.items() if pair[1] is not None for word in pair]
+    given += [word for walk in experiment.only for word in ("--only", walk)]
     return shlex.join(["palms", "bench", str(experiment.dataset), *given])
 
 

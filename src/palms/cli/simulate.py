@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,7 +15,7 @@ from palms.cli._options import Json
 from palms.cli._outputs import check_file, check_folder, is_stdout, progress, speaker, write_result
 
 if TYPE_CHECKING:
-    from palms.evaluation.simulation import CaseSettings, SimulatedCase, Site
+    from palms.evaluation.simulation import CaseSettings
 
 __all__ = ["EXAMPLE", "simulate"]
 
@@ -110,6 +111,9 @@ def simulate(
     pictures: Annotated[
         bool, typer.Option("--pictures/--no-pictures", help="Draw every case.")
     ] = True,
+    jobs: Annotated[
+        int, typer.Option(metavar="N", min=1, help="Processes, each a building at a time.")
+    ] = 1,
     json: Json = None,
 ) -> None:  # fmt: skip
     """Simulate scans and walks, in a plan's world or in buildings drawn from a seed.
@@ -130,13 +134,16 @@ def simulate(
     _check_new(out)
     say = speaker(json)
     per_site = [starts // buildings + (k < starts % buildings) for k in range(buildings)]
-    sources = [(plan or building, seed + k, levels) for k in range(buildings)]
+    tasks = [
+        _Task(plan or str(building), seed + k, levels, (count, walks), settings, double, pictures)
+        for k, count in enumerate(per_site)
+    ]
     rows = []
     with progress(starts * walks, "Simulating") as advance:
-        for (source, number, high), count in zip(sources, per_site, strict=True):
-            for site, case in _cases((source, number, high), (count, walks), settings, double):
-                rows.append(_written(out, site, case, pictures))
-                advance()
+        for row in _simulated(out, tasks, jobs):
+            rows.append(row)
+            advance()
+    rows.sort(key=lambda row: row.pop("order"))
     document = {
         "schema": SCHEMA, "dataset": str(out), "seed": seed,
         "building": building, "plan": None if plan is None else str(plan), "cases": rows,
@@ -171,13 +178,41 @@ def _check_new(out: Path) -> None:
         )  # fmt: skip
 
 
-def _cases(
-    source: tuple[Path | str | None, int, int],
-    count: tuple[int, int],
-    settings: CaseSettings,
-    double: str | None,
-) -> Iterator[tuple[Site, SimulatedCase]]:
-    """Build one building and yield its cases."""
+@dataclass(frozen=True, slots=True)
+class _Task:
+    """A building, and what to simulate in it: `count` starts, and walks from each."""
+
+    source: Path | str
+    seed: int
+    levels: int
+    count: tuple[int, int]
+    settings: CaseSettings
+    double: str | None
+    pictures: bool
+
+
+def _simulated(out: Path, tasks: list[_Task], jobs: int) -> Iterator[dict[str, Any]]:
+    """Write all cases and yield what there is to say of each, as they come."""
+    from contextlib import closing
+
+    from palms.evaluation.processes import in_processes
+
+    if min(jobs, len(tasks)) == 1:
+        for task in tasks:
+            yield from _written(out, task)
+        return
+    calls = ((out, task) for task in tasks)
+    with closing(in_processes(_all_written, calls, jobs, f"remove {out} and begin anew")) as done:
+        for rows in done:
+            yield from rows
+
+
+def _all_written(out: Path, task: _Task) -> list[dict[str, Any]]:
+    return list(_written(out, task))
+
+
+def _written(out: Path, task: _Task) -> Iterator[dict[str, Any]]:
+    """Build one building, write its cases, and yield what there is to say of each."""
     from palms.evaluation.simulation import (
         Building,
         Count,
@@ -185,35 +220,29 @@ def _cases(
         generate_levels,
         make_site,
         simulate_site,
+        write_simulated,
     )
     from palms.io import read_floorplan
 
-    what, seed, levels = source
-    if isinstance(what, Path):
-        building = Building((read_floorplan(what),))
+    if isinstance(task.source, Path):
+        building = Building((read_floorplan(task.source),))
     else:
-        building = generate_levels(str(what), seed, levels)
-    ranges = NuisanceRanges() if double is None else NuisanceRanges().double(double)
-    site = make_site(building, seed, ranges)
-    for case in simulate_site(site, Count(*count), settings, ranges):
-        yield site, case
-
-
-def _written(out: Path, site: Site, case: SimulatedCase, pictures: bool) -> dict[str, Any]:
-    """Write a case and return what there is to say of it."""
-    from palms.evaluation.simulation import write_simulated
-
-    folder = write_simulated(out, site, case, pictures)
-    walk = case.recorded.odometry(case.recorded.sources[0])
-    return {
-        "scene": site.name,
-        "walk": case.name,
-        "folder": str(folder.relative_to(out)),
-        "walls": [len(scan.walls_m) for scan in case.scans],
-        "walked_m": round(float(walk.walked_m[-1]), 2),
-        "samples": len(walk),
-        "events": [event.kind for event in case.events],
-    }
+        building = generate_levels(task.source, task.seed, task.levels)
+    ranges = NuisanceRanges() if task.double is None else NuisanceRanges().double(task.double)
+    site = make_site(building, task.seed, ranges)
+    for k, case in enumerate(simulate_site(site, Count(*task.count), task.settings, ranges)):
+        folder = write_simulated(out, site, case, task.pictures)
+        walk = case.recorded.odometry(case.recorded.sources[0])
+        yield {
+            "order": (task.seed, k),
+            "scene": site.name,
+            "walk": case.name,
+            "folder": str(folder.relative_to(out)),
+            "walls": [len(scan.walls_m) for scan in case.scans],
+            "walked_m": round(float(walk.walked_m[-1]), 2),
+            "samples": len(walk),
+            "events": [event.kind for event in case.events],
+        }
 
 
 def _tell(rows: list[dict[str, Any]], out: Path, say: Any) -> None:  # noqa: ANN401

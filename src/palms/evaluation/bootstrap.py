@@ -8,7 +8,7 @@ there are several), each with all of its trials.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -18,7 +18,14 @@ from palms.errors import InputError
 from palms.evaluation.metrics import TrialMetrics
 from palms.geometry import FloatArray
 
-__all__ = ["Interval", "Reliability", "aggregate", "bootstrap_interval", "reliability"]
+__all__ = [
+    "Interval",
+    "Reliability",
+    "aggregate",
+    "bootstrap_difference",
+    "bootstrap_interval",
+    "reliability",
+]
 
 Statistic = Literal["mean", "median"]
 
@@ -116,6 +123,54 @@ def bootstrap_interval(
     drawn = of_counts(value, unit, counts.astype(np.float64))
     low, high = np.nanquantile(drawn, [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
     return Interval(whole, float(low), float(high), len(value), names)
+
+
+def bootstrap_difference(
+    before: npt.ArrayLike,
+    after: npt.ArrayLike,
+    units_before: Sequence[object],
+    units_after: Sequence[object],
+    *,
+    draws: int = DRAWS,
+) -> Interval:
+    """Return by how much a mean changes, with an interval over units that both have drawn.
+
+    What the units have in common, such as easy and hard buildings, cancels: the interval is
+    narrower than those of the two means.
+
+    Parameters
+    ----------
+    before, after : array_like (N,), (M,)
+        One for each trial; NaN where the figure is not defined.
+    units_before, units_after : sequence (N,), (M,)
+        The walk (or the building) of each trial. Drawn by name, in both alike.
+    draws : int
+
+    Examples
+    --------
+    >>> change = bootstrap_difference([0.1, 0.8], [0.2, 0.9], ["a", "b"], ["a", "b"])
+    >>> f"{change:.2f}"
+    '0.10 [0.10, 0.10]'
+    """
+    names, unit = _numbered([*units_before, *units_after])
+    pairs = [
+        (value[~np.isnan(value)], which[~np.isnan(value)])
+        for value, which in (
+            (np.asarray(before, dtype=np.float64), unit[: len(units_before)]),
+            (np.asarray(after, dtype=np.float64), unit[len(units_before) :]),
+        )
+    ]
+    n, nothing = sum(len(value) for value, _ in pairs), float("nan")
+    if not all(len(value) for value, _ in pairs):
+        return Interval(nothing, nothing, nothing, n, names)
+    counts = np.random.default_rng(0).multinomial(names, np.full(names, 1 / names), draws)
+    every = np.concatenate([np.ones((1, names)), counts])
+    first, second = (_means(value, which, every) for value, which in pairs)
+    change = second - first
+    if names < 2:
+        return Interval(float(change[0]), nothing, nothing, n, names)
+    low, high = np.nanquantile(change[1:], [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
+    return Interval(float(change[0]), float(low), float(high), n, names)
 
 
 def _numbered(units: Sequence[object]) -> tuple[int, npt.NDArray[np.int64]]:
@@ -219,7 +274,8 @@ class Reliability:
     stated : (B,)
         Mean stated probability in each bin; NaN in an empty one.
     came_true : tuple of Interval
-        Share that came true in each bin.
+        Share that came true in each bin. Where all did or none, where a bootstrap knows no
+        doubt, the interval is the exact one of a binomial share, each unit counted once.
     brier : Interval
         Mean squared difference of probability and outcome; 0 is best.
     log_score : Interval
@@ -269,8 +325,18 @@ def reliability(
         inside = member == b
         if inside.any():
             mean[b] = p[inside].mean()
-        shares.append(bootstrap_interval(np.where(inside, true, np.nan), units))
+        shares.append(_share(np.where(inside, true, np.nan), units))
     kept = np.clip(p, LOG_FLOOR, 1 - LOG_FLOOR)
     logs = np.where(true > 0, np.log(kept), np.log1p(-kept))
     brier = bootstrap_interval((p - true) ** 2, units)
     return Reliability(mean, tuple(shares), brier, bootstrap_interval(logs, units))
+
+
+def _share(outcome: FloatArray, units: Sequence[object]) -> Interval:
+    found = bootstrap_interval(outcome, units)
+    if found.value not in (0.0, 1.0) or found.units < 2:
+        return found
+    seen = len({unit for unit, each in zip(units, outcome, strict=True) if not np.isnan(each)})
+    doubt = 1.0 - ((1.0 - LEVEL) / 2) ** (1.0 / seen)
+    low, high = (0.0, doubt) if found.value == 0.0 else (1.0 - doubt, 1.0)
+    return replace(found, low=low, high=high)

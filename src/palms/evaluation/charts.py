@@ -320,7 +320,8 @@ def effects_figure(effects: Sequence[Effect]) -> Figure:
     Examples
     --------
     >>> before, after = Interval(0.1, 0.0, 0.2, 4, 4), Interval(0.4, 0.3, 0.5, 4, 4)
-    >>> effect = Effect("furniture", "paper", "useful", before, after)
+    >>> change = Interval(0.3, 0.2, 0.4, 8, 4)
+    >>> effect = Effect("furniture", "paper", "useful", before, after, change)
     >>> effects_figure([effect]).axes[1].get_title(loc="left")
     'paper: useful (more is better)'
     """
@@ -340,13 +341,15 @@ def effects_figure(effects: Sequence[Effect]) -> Figure:
 
 
 def _bar(axes: Axes, effect: Effect, row: int) -> None:
-    before, after = effect.before, effect.after
-    worse = (effect.change > 0) == (effect.figure == "false_localized")
+    before, change = effect.before, effect.change
+    worse = (change.value > 0) == (effect.figure == "false_localized")
     axes.barh(
-        row, effect.change, 0.55, before.value, facecolor="#f6d5d2" if worse else TRUTH,
+        row, change.value, 0.55, before.value, facecolor="#f6d5d2" if worse else TRUTH,
         edgecolor=ANSWER if worse else TRUTH, hatch="////" if worse else None, linewidth=0.8,
     )  # fmt: skip
-    _dot(axes, after, row, MethodStyle(INK, "solid", "|"))
+    value, low, high = (before.value + v for v in (change.value, change.low, change.high))
+    end = Interval(value, low, high, change.n, change.units)
+    _dot(axes, end, row, MethodStyle(INK, "solid", "|"))
     axes.axvline(before.value, color=INK, linewidth=1.0)
 
 

@@ -8,28 +8,33 @@ that was stopped goes on where it was.
 from __future__ import annotations
 
 import hashlib
-import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
+from fnmatch import fnmatchcase
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from palms.errors import InputError
+from palms.errors import FormatError, InputError, SettingsError
 from palms.evaluation.metrics import Answers, sample_step, trial_metrics
+from palms.evaluation.oracle import ORACLE, ORACLE_PARTICLES, oracle_settings, shared_settings
+from palms.evaluation.provenance import machine, versions
+from palms.evaluation.simulation.output import NUISANCES_FILE, read_nuisances
+from palms.evaluation.simulation.settings import VioNoise
 from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
-from palms.io import Case, RecordedWalk, open_dataset, read_json, write_json
-from palms.io.files import make_folder
+from palms.io import Case, RecordedWalk, open_dataset
+from palms.io.plan_csv import rooms_path
+from palms.io.truth import TRUTH_FILE
 from palms.localizer import Track, track_trials
 from palms.odometry import Odometry
 from palms.raster import PlanRaster, rasterize
 from palms.scan import Scan
-from palms.settings import RasterSettings, Settings
+from palms.settings import METHODS, RasterSettings, Settings
 
-__all__ = ["Batch", "Experiment", "Journal", "Subject", "run_batch", "trial_seed"]
+__all__ = ["Batch", "Experiment", "Subject", "run_batch", "trial_seed"]
 
 BATCH = 10  # ours: trials between two entries of the journal
 SERIES_M = 2.0  # ours: spacing of the curves that the report draws
@@ -65,6 +70,8 @@ class Subject:
     odometry : Odometry
     reference_m : (T, 2)
         Where the phone was; NaN where nobody knows.
+    noise : VioNoise, optional
+        What the odometry's errors were drawn with, where somebody knows: for the oracle alone.
     """
 
     scene: str
@@ -73,20 +80,23 @@ class Subject:
     scan: Scan
     odometry: Odometry
     reference_m: FloatArray
+    noise: VioNoise | None = None
 
     @classmethod
-    def of(cls, case: Case, source: str = "arkit") -> Subject:
+    def of(cls, case: Case, source: str = "arkit", with_noise: bool = False) -> Subject:
         """Read the files of a case.
 
         Raises
         ------
         InputError
-            When a file is not what it should be, or the walk has no reference.
+            When a file is not what it should be, the walk has no reference, or its noise is
+            asked for and not there.
         """
         walk = case.walk()
         reference = _reference(case, walk)
         odometry = walk.odometry("ronin" if source == "ronin" else "arkit")
-        return cls(case.scene, case.name, case.plan(), case.scan(), odometry, reference)
+        noise = _noise(case) if with_noise else None
+        return cls(case.scene, case.name, case.plan(), case.scan(), odometry, reference, noise)
 
 
 def _reference(case: Case, walk: RecordedWalk) -> FloatArray:
@@ -96,6 +106,18 @@ def _reference(case: Case, walk: RecordedWalk) -> FloatArray:
             fix="add truth.csv or ARKit_PF, or take the walk out of the data set",
         )  # fmt: skip
     return walk.reference_m
+
+
+def _noise(case: Case) -> VioNoise:
+    try:
+        return read_nuisances(case.folder).vio
+    except FormatError:
+        raise
+    except InputError:
+        raise InputError(
+            f"method {ORACLE} on {case.title}", expected=f"its noise in {NUISANCES_FILE}",
+            got="none", fix=f"leave {ORACLE} out, or make the data with: palms simulate",
+        ) from None  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,11 +145,14 @@ class Experiment:
     particles : int, optional
         The methods' own numbers when left out.
     walk_source : {"arkit", "ronin"}
+    only : sequence of str
+        Patterns of walks, as ``scene`` or ``scene/walk`` with ``*`` and ``?``; all walks when
+        left out.
 
     Raises
     ------
     InputError
-        When there is no method.
+        When there is no method, or the oracle is to read another odometry than ``arkit``.
     SettingsError
         When a method is unknown.
 
@@ -143,18 +168,50 @@ class Experiment:
     seed: int = 0
     particles: int | None = None
     walk_source: str = "arkit"
+    only: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "methods", tuple(dict.fromkeys(self.methods)))
         if not self.methods:
             raise InputError("methods", expected="at least one", got="none", fix="such as: paper")
         for name in self.methods:
-            self.settings(name)  # an unknown method is said before the work
+            self.settings_json(name)  # an unknown method is said before the work
+        if self.has_oracle and self.walk_source != "arkit":
+            raise InputError(
+                f"method {ORACLE}", expected="walk source arkit", got=self.walk_source,
+                fix="it knows visual-inertial noise alone; leave it out",
+            )  # fmt: skip
 
-    def settings(self, method: str) -> Settings:
-        """Return the settings of a method."""
+    @property
+    def has_oracle(self) -> bool:
+        """Whether the oracle takes part, which needs each walk's noise."""
+        return ORACLE in self.methods
+
+    def settings(self, method: str, noise: VioNoise | None = None) -> Settings:
+        """Return the settings of a method on a walk; only the oracle's depend on its noise."""
+        if method == ORACLE:
+            if noise is None:
+                raise InputError(f"method {ORACLE}", expected="the noise of the walk", got="none")
+            return oracle_settings(noise, self.particles or ORACLE_PARTICLES)
+        if method not in METHODS:
+            raise SettingsError(
+                "method", expected="one of " + ", ".join((*METHODS, ORACLE)), got=repr(method)
+            )
         settings = Settings.for_method(method)
         return settings if self.particles is None else settings.with_particles(self.particles)
+
+    def settings_json(self, method: str) -> dict[str, Any]:
+        """Return what results say of a method's settings; what a case decides is named so."""
+        if method == ORACLE:
+            found = shared_settings(self.particles or ORACLE_PARTICLES)
+        else:
+            found = asdict(self.settings(method))
+        said: dict[str, Any] = finite(found)
+        return said
+
+    def subject(self, case: Case) -> Subject:
+        """Read the files of a case, with its noise when the oracle takes part."""
+        return Subject.of(case, self.walk_source, self.has_oracle)
 
     def cases(self) -> tuple[Case, ...]:
         """Look up the walks, and whether each can be run: better now than after hours.
@@ -162,16 +219,29 @@ class Experiment:
         Raises
         ------
         InputError
-            When a walk has no reference, no scan or not the odometry that is asked for.
+            When no walk is left, or one has no reference, no scan, not the odometry that is
+            asked for, or no noise for the oracle to know.
         """
-        cases = open_dataset(self.dataset).cases
+        found = open_dataset(self.dataset).cases
+        cases = tuple(case for case in found if self._takes(case))
+        if not cases:
+            raise InputError(
+                f"walks of {self.dataset}", expected=f"one called {' or '.join(self.only)}",
+                got=", ".join(case.title for case in found[:3]) + (", ..." * (len(found) > 3)),
+            )  # fmt: skip
         for case in cases:
             walk = case.walk()
             _reference(case, walk)
             walk.odometry("ronin" if self.walk_source == "ronin" else "arkit")
             if not case.scan_paths:
                 case.scan()  # says what is missing
+            if self.has_oracle:
+                self.settings(ORACLE, _noise(case))
         return cases
+
+    def _takes(self, case: Case) -> bool:
+        names = (case.scene, case.title)
+        return not self.only or any(fnmatchcase(n, each) for n in names for each in self.only)
 
     def batches(self, cases: Iterable[Case], done: set[tuple[Any, ...]]) -> list[Batch]:
         """Return what is still to be done, walk by walk."""
@@ -191,22 +261,29 @@ class Experiment:
         """Return what makes this experiment this one: its numbers and its data's content."""
         digest = hashlib.sha256()
         for case in cases:
-            for path in (case.plan_path, case.walk_path, *case.scan_paths):
-                files = sorted(path.iterdir()) if path.is_dir() else [path]
-                for file in files:
-                    digest.update(file.name.encode() + file.read_bytes())
+            for file in _files(case, self.has_oracle):
+                digest.update(file.name.encode() + file.read_bytes())
         return {
             "methods": list(self.methods), "trials": self.trials, "seed": self.seed,
             "particles": self.particles, "walk_source": self.walk_source,
             "walks": [case.title for case in cases], "data_sha256": digest.hexdigest(),
-            "settings": {m: finite(asdict(self.settings(m))) for m in self.methods},
+            "settings": {m: self.settings_json(m) for m in self.methods},
             "versions": versions(),
         }  # fmt: skip
 
 
+def _files(case: Case, with_noise: bool) -> Iterator[Path]:
+    """Yield the files that the numbers of a case rest on."""
+    beside = [rooms_path(case.plan_path), case.folder / TRUTH_FILE]
+    if with_noise:
+        beside.append(case.folder / NUISANCES_FILE)
+    for path in (case.plan_path, case.walk_path, *case.scan_paths, *beside):
+        yield from sorted(path.iterdir()) if path.is_dir() else [path] if path.exists() else []
+
+
 def run_batch(subject: Subject, batch: Batch, experiment: Experiment) -> list[Record]:
     """Run some trials; return a record for each, fit for JSON."""
-    settings = experiment.settings(batch.method)
+    settings = experiment.settings(batch.method, subject.noise)
     settings = replace(settings, answer=replace(settings.answer, hypotheses=0))
     raster = _raster(_Plan(subject.plan), settings.raster)
     seeds = [trial_seed(experiment.seed, batch.scene, batch.walk, t) for t in batch.trials]
@@ -272,113 +349,19 @@ def _rounded(values: Iterable[float], digits: int = 3) -> list[float | None]:
     return [None if np.isnan(v) else round(float(v), digits) for v in values]
 
 
-class Journal:
-    """The finished trials of an experiment, on disk: one JSON object a line.
-
-    Parameters
-    ----------
-    folder : Path
-        Made when it is not there.
-    identity : mapping
-        What `Experiment.to_json` says; a folder of another experiment is refused.
-
-    Raises
-    ------
-    InputError
-        When the folder holds another experiment's results.
-    """
-
-    def __init__(self, folder: Path, identity: Mapping[str, Any]) -> None:
-        self.folder = make_folder(folder)
-        self.path = folder / "trials.jsonl"
-        known = folder / "experiment.json"
-        here = json.loads(json.dumps(identity))
-        there = read_json(known) if known.exists() else None
-        if there != here and (there is not None or self.path.exists()):
-            raise InputError(
-                str(folder), expected="an empty folder or this experiment's",
-                got=f"another experiment's results{_differing(here, there)}",
-                fix="choose another --out or remove it",
-            )  # fmt: skip
-        if there is None:
-            write_json(known, here)
-        self.records = list({_key(record): record for record in self._read()}.values())
-
-    def _read(self) -> Iterator[Record]:
-        """Read what was finished; a last line cut short by a kill is dropped from the file."""
-        if not self.path.exists():
-            return
-        content = self.path.read_bytes()
-        whole = content.rfind(b"\n") + 1
-        if whole < len(content):
-            with self.path.open("r+b") as file:
-                file.truncate(whole)
-        for number, line in enumerate(content[:whole].splitlines(), 1):
-            try:
-                record = json.loads(line)
-                _key(record)
-            except (ValueError, KeyError, TypeError):
-                raise InputError(
-                    f"{self.path} line {number}", expected="a finished trial as JSON",
-                    got="something else", fix="remove the line; its trial is run again",
-                ) from None  # fmt: skip
-            yield record
-
-    @property
-    def done(self) -> set[tuple[Any, ...]]:
-        """(scene, walk, method, trial) of what is finished."""
-        return {_key(record) for record in self.records}
-
-    def append(self, records: Sequence[Record]) -> None:
-        """Add finished trials, on disk before this returns."""
-        import os
-
-        text = "".join(json.dumps(r, allow_nan=False) + "\n" for r in records)
-        with self.path.open("a", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        self.records += records
-
-    def ordered(self, experiment: Experiment) -> list[Record]:
-        """Return all records in an order that no worker decides."""
-        rank = {method: i for i, method in enumerate(experiment.methods)}
-        return sorted(
-            self.records, key=lambda r: (r["scene"], r["walk"], rank[r["method"]], r["trial"])
-        )
-
-
-def _key(record: Record) -> tuple[Any, ...]:
-    return record["scene"], record["walk"], record["method"], record["trial"]
-
-
-def _differing(here: Mapping[str, Any], there: object) -> str:
-    """Say which numbers two experiments do not share, where that can be said."""
-    if not isinstance(there, dict):
-        return ""
-    names = [name for name in here if there.get(name) != here[name]]
-    return f" (other {', '.join(names)})" if names else ""
-
-
-def versions() -> dict[str, str]:
-    """Return the versions of what the numbers rest on."""
-    from importlib.metadata import version
-
-    return {name: version(name) for name in ("palms-localization", "numpy", "scipy", "numba")}
-
-
 def as_results(experiment: Experiment, records: Sequence[Record]) -> dict[str, Any]:
     """Return the content of results.json, schema palms-bench/1."""
     return {
         "schema": "palms-bench/1",
         "trials": [{k: v for k, v in r.items() if k != "series"} for r in records],
-        "settings": {m: finite(asdict(experiment.settings(m))) for m in experiment.methods},
+        "settings": {m: experiment.settings_json(m) for m in experiment.methods},
         "experiment": {
+            "dataset": experiment.dataset.absolute().name,
             "methods": list(experiment.methods), "trials": experiment.trials,
             "seed": experiment.seed, "particles": experiment.particles,
-            "walk_source": experiment.walk_source,
+            "walk_source": experiment.walk_source, "only": list(experiment.only),
         },
-        "versions": versions(),
+        "versions": versions(), "machine": machine(),
     }  # fmt: skip
 
 

@@ -2,50 +2,85 @@
 
 It tells what a filter loses: same scan likelihood, same stages and thresholds, but moved with
 the true parameters of the odometry's noise (not its draws), and with so many particles that
-more change nothing. Only simulated cases say what their noise is.
+more change nothing. Only cases whose noise was added say what it is: simulated ones, and
+recorded walks with noise added to their reference.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import asdict, replace
+from typing import Any
 
-from palms.evaluation.simulation.nuisances import Nuisances
-from palms.settings import MotionSettings, Settings
+from palms.evaluation.simulation.settings import VioNoise
+from palms.settings import Settings
 
-__all__ = ["ORACLE_PARTICLES", "oracle_settings"]
+__all__ = ["ORACLE", "ORACLE_PARTICLES", "oracle_settings", "shared_settings"]
 
-ORACLE_PARTICLES = 32_000  # ours: doubling them changes `useful` by less than 0.01
+ORACLE = "oracle"
+ORACLE_PARTICLES = 120_000  # ours: doubling them changes `useful` by less than 0.01
+OF_THE_CASE = "of the case"
 
 
-def oracle_settings(nuisances: Nuisances, n_particles: int = ORACLE_PARTICLES) -> Settings:
+def oracle_settings(noise: VioNoise, n_particles: int = ORACLE_PARTICLES) -> Settings:
     """Return the settings of the oracle for one case with visual-inertial odometry.
 
     Parameters
     ----------
-    nuisances : Nuisances
-        The parameters that the case's noise was drawn with.
+    noise : VioNoise
+        What the odometry's errors were drawn with.
     n_particles : int
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from palms.evaluation.simulation import draw_nuisances
-    >>> nuisances = draw_nuisances(np.random.default_rng(0))
-    >>> oracle_settings(nuisances).motion.scale_sd == nuisances.vio_scale_sd
-    True
+    >>> oracle_settings(VioNoise(scale_sd=0.01)).motion.scale_sd
+    0.01
     """
-    best, vio = Settings(), nuisances.vio
+    best = Settings()
     step_m = best.motion.step_m
-    white_m = vio.white_m_per_sqrt_m * step_m**0.5
-    motion = MotionSettings(
-        step_m=step_m,
+    white_m = noise.white_m_per_sqrt_m * step_m**0.5
+    motion = replace(
+        best.motion,
         length_m=white_m,
         direction_rad=white_m / step_m,  # as much across as along
         drift_rad=0.0,
-        drift_rad_per_sqrt_s=vio.heading_rad_per_sqrt_s,
+        drift_rad_per_sqrt_s=noise.heading_rad_per_sqrt_s,
         jitter_m=0.0,
-        hit_weight=best.motion.hit_weight,
-        scale_sd=vio.scale_sd,
+        scaling="distance",
+        scale_sd=noise.scale_sd,
     )
-    start = replace(best.start, n_particles=n_particles)
-    return replace(best, method="oracle", motion=motion, start=start)
+    more = n_particles / best.start.n_particles
+    start = replace(
+        best.start, n_particles=n_particles, n_proposals=round(more * best.start.n_proposals)
+    )
+    resampling = replace(
+        best.resampling,
+        min_particles=round(more * best.resampling.min_particles),
+        per_bin=more * best.resampling.per_bin,
+    )
+    return replace(best, method=ORACLE, motion=motion, start=start, resampling=resampling)
+
+
+def shared_settings(n_particles: int = ORACLE_PARTICLES) -> dict[str, Any]:
+    """Return the oracle's settings as JSON; those that a case decides say so.
+
+    Examples
+    --------
+    >>> found = shared_settings()
+    >>> found["motion"]["scale_sd"], found["start"]["n_particles"]
+    ('of the case', 120000)
+    """
+    some, others = (
+        asdict(oracle_settings(noise, n_particles))
+        for noise in (VioNoise(), VioNoise(0.01, 0.01, 0.01))
+    )
+    return _common(some, others)
+
+
+def _common(some: dict[str, Any], others: dict[str, Any]) -> dict[str, Any]:
+    common: dict[str, Any] = {}
+    for name, value in some.items():
+        if isinstance(value, dict):
+            common[name] = _common(value, others[name])
+        else:
+            common[name] = value if value == others[name] else OF_THE_CASE
+    return common

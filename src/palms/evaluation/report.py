@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import base64
 import os
-import platform
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from html import escape
-from pathlib import Path
 from typing import Any, Final
 
 from matplotlib.figure import Figure
@@ -16,7 +14,8 @@ from matplotlib.figure import Figure
 from palms.evaluation import charts
 from palms.evaluation.bootstrap import aggregate
 from palms.evaluation.curves import Records, sampled_reliability, worst_trials
-from palms.evaluation.experiment import Experiment, Subject, finite
+from palms.evaluation.experiment import Experiment
+from palms.evaluation.provenance import machine, source_digest
 from palms.evaluation.sensitivity import Effect
 from palms.evaluation.tables import (
     HEADLINE,
@@ -33,7 +32,7 @@ from palms.plot.output import image_bytes
 from palms.plot.page import html_page
 from palms.plot.report import installed_versions
 
-__all__ = ["Findings", "experiment_report", "machine", "write_experiment_report"]
+__all__ = ["Findings", "experiment_report", "write_experiment_report"]
 
 MAIN: Final = ("palms", "paper")  # whose worst cases are shown, the first that was run
 _DPI: Final = 120.0
@@ -104,7 +103,7 @@ def experiment_report(findings: Findings) -> str:
 
     Examples
     --------
-    >>> from palms.evaluation.experiment import Batch, run_batch
+    >>> from palms.evaluation.experiment import Batch, Subject, run_batch
     >>> from palms.sample import sample_folder
     >>> experiment = Experiment(sample_folder(), ("uniform",), trials=1, particles=50)
     >>> (case,) = experiment.cases()
@@ -126,40 +125,22 @@ def experiment_report(findings: Findings) -> str:
     return html_page(title, [_verdict(findings)], "\n".join(sections), _STYLE)
 
 
-def machine() -> dict[str, str]:
-    """Return what the experiment ran on.
-
-    Examples
-    --------
-    >>> sorted(machine())
-    ['Machine', 'Processor', 'System']
-    """
-    model = platform.processor() or "unknown"
-    info = Path("/proc/cpuinfo")
-    if info.is_file():
-        named = [line for line in info.read_text().splitlines() if line.startswith("model name")]
-        model = named[0].partition(":")[2].strip() if named else model
-    return {
-        "Machine": platform.machine(),
-        "Processor": f"{model}, {os.cpu_count()} cores",
-        "System": f"{platform.system()} {platform.release()}",
-    }
-
-
 def _verdict(findings: Findings) -> str:
     """Say the headline's pair of the main method."""
     method = findings.main
     if not method:
         return "No trials."
     chosen = findings.by_method[method]
-    figures = aggregate(chosen, units_of(chosen), ("false_localized", "right_after_m_full"))
-    false, metres = figures["false_localized"], figures["right_after_m_full"]
-    if not false.n:
+    names = ("false_localized", "right_after_m_full", "declared")
+    figures = aggregate(chosen, units_of(chosen), names)
+    if not figures["false_localized"].n:
         return f"{method} never says that it is localized."
     share = Column("", "false_localized", 100, 0).cell(figures)
+    said = Column("", "declared", 100, 0).cell(figures)
     return (
         f"When {method} says that it is localized, it is wrong on {share} % of the metres "
-        f"(false_localized); it comes to a right declaration after {metres:.0f} m."
+        f"(false_localized); it comes to a right declaration after "
+        f"{figures['right_after_m_full']:.0f} m. It says so at all in {said} % of the trials."
     )
 
 
@@ -224,12 +205,12 @@ def _effects(findings: Findings) -> Iterator[str]:
         return
     words = (
         "For each nuisance a bar from the figure as it is (vertical line) to the figure with the "
-        "nuisance changed, whose 95 % interval is drawn at its end; the largest change on top. "
+        "nuisance changed; at its end the 95 % interval of the change; the largest one on top. "
         "Hatched bars are for the worse, full ones for the better."
     )
-    head = ["method", "figure", "nuisance", "as it is", "changed"]
+    head = ["method", "figure", "nuisance", "as it is", "changed", "change"]
     rows = [
-        [e.method, e.figure, e.nuisance, f"{e.before:.3f}", f"{e.after:.3f}"]
+        [e.method, e.figure, e.nuisance, f"{e.before:.3f}", f"{e.after:.3f}", f"{e.change:+.3f}"]
         for e in findings.effects
     ]
     content = _picture(charts.effects_figure(findings.effects), words)
@@ -254,11 +235,11 @@ def _worst(findings: Findings) -> Iterator[str]:
 
 
 def _worst_case(experiment: Experiment, case: Case, record: Mapping[str, Any]) -> str:
-    subject = Subject.of(case, experiment.walk_source)
+    subject = experiment.subject(case)
     track = rerun(experiment, subject, record)
     figure = case_figure(subject.plan, track, subject.reference_m)
     words = f"Plan of {case.scene} with the true path and the answers. {_told(record)}"
-    command = escape(rerun_command(experiment, case, record["method"], record["seed"]))
+    command = escape(rerun_command(experiment, case, record))
     return (
         f"<h3>{escape(case.title)}, seed {record['seed']}</h3>\n"
         f"{_picture(figure, words, _MAP_DPI)}\n<pre><code>{command}</code></pre>"
@@ -266,27 +247,30 @@ def _worst_case(experiment: Experiment, case: Case, record: Mapping[str, Any]) -
 
 
 def _told(record: Mapping[str, Any]) -> str:
-    at, right = record["declared_after_m"], record["right_after_m"]
-    told = ["Never localized" if at is None else f"Localized after {at:.0f} m"]
-    told[0] += f" of {record['length_m']:.0f} m"
-    if at is not None and record["wrong"]:
-        told.append("wrongly" if right is None else f"wrongly; rightly after {right:.0f} m")
-    words = ", ".join(told) + f". Longest wrong stretch {record['longest_false_m']:.0f} m"
-    if record["useful"] is not None:
-        words += f", useful on {100 * record['useful']:.0f} % of the metres"
+    at, right, whole = (record[name] for name in ("declared_after_m", "right_after_m", "length_m"))
+    if at is None:
+        told = f"Never localized in {whole:.0f} m."
+    else:
+        told = f"Localized after {at:.0f} m of {whole:.0f} m"
+        told += ", wrongly." if record["wrong"] else "."
+        if record["wrong"] and right is not None:
+            told += f" Rightly after {right:.0f} m."
+        told += f" Longest wrong stretch {record['longest_false_m']:.0f} m."
+        told += f" Useful on {100 * (record['useful'] or 0.0):.0f} % of the metres."
     if record["final_error_m"] is not None:
-        words += f", {record['final_error_m']:.1f} m off at the end"
-    return words + "."
+        told += f" Off by {record['final_error_m']:.1f} m at the end."
+    return told
 
 
 def _made(findings: Findings) -> str:
     parts = []
     if findings.command:
         parts.append(f"<p>Command:</p>\n<pre><code>{escape(findings.command)}</code></pre>")
-    rows = [["", ""], *({**installed_versions(), **machine()}).items()]
+    made_of = {**installed_versions(), "Source": source_digest(), **machine()}
+    rows = [["", ""], *made_of.items()]
     parts.append(_table("Versions and machine", rows))
     for method in findings.by_method:
-        settings = finite(asdict(findings.experiment.settings(method)))
+        settings = findings.experiment.settings_json(method)
         table = _table(f"Settings of {method}", [["setting", "value"], *_flat(settings)])
         parts.append(f"<details>\n<summary>All settings of {method}</summary>\n{table}\n</details>")
     return _section("how", "How it was made", "\n".join(parts))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from palms.errors import FormatError, InputError
-from palms.evaluation.bootstrap import Interval, aggregate
+from palms.evaluation.bootstrap import Interval, aggregate, bootstrap_difference
 from palms.evaluation.tables import by_method, units_of
 from palms.io import read_json
 
@@ -31,12 +32,15 @@ class Effect:
         One of `FIGURES`.
     before, after : Interval
         As it is, and with the nuisance changed.
+    change : Interval
+        How much the figure rises, over units that both have.
 
     Examples
     --------
     >>> before, after = Interval(0.1, 0.0, 0.2, 4, 4), Interval(0.4, 0.3, 0.5, 4, 4)
-    >>> Effect("furniture", "paper", "useful", before, after).change
-    0.3
+    >>> change = Interval(0.3, 0.25, 0.35, 8, 4)
+    >>> f"{Effect('furniture', 'paper', 'useful', before, after, change).change:.2f}"
+    '0.30 [0.25, 0.35]'
     """
 
     nuisance: str
@@ -44,11 +48,7 @@ class Effect:
     figure: str
     before: Interval
     after: Interval
-
-    @property
-    def change(self) -> float:
-        """How much the figure rises."""
-        return self.after.value - self.before.value
+    change: Interval
 
 
 def nuisance_effects(base: Trials, changed: Mapping[str, Trials]) -> list[Effect]:
@@ -72,22 +72,35 @@ def nuisance_effects(base: Trials, changed: Mapping[str, Trials]) -> list[Effect
     >>> nuisance_effects([], {})
     []
     """
-    before = _figures(base)
+    known = by_method(base)
     effects = [
-        Effect(nuisance, method, figure, before[method][figure], figures[figure])
+        _effect((nuisance, method, figure), known[method], chosen)
         for nuisance, trials in changed.items()
-        for method, figures in _figures(trials).items() if method in before
+        for method, chosen in by_method(trials).items() if method in known
         for figure in FIGURES
     ]  # fmt: skip
-    order = {method: i for i, method in enumerate(before)}
-    return sorted(effects, key=lambda e: (order[e.method], FIGURES.index(e.figure), -abs(e.change)))
+    order = {method: i for i, method in enumerate(known)}
+    return sorted(
+        effects, key=lambda e: (order[e.method], FIGURES.index(e.figure), -abs(_or_0(e.change)))
+    )
 
 
-def _figures(trials: Trials) -> dict[str, dict[str, Interval]]:
-    return {
-        method: aggregate(chosen, units_of(chosen), FIGURES)
-        for method, chosen in by_method(trials).items()
-    }
+def _effect(about: tuple[str, str, str], base: Trials, changed: Trials) -> Effect:
+    figure = about[2]
+    before, after = (
+        aggregate(trials, units_of(trials), (figure,))[figure] for trials in (base, changed)
+    )
+    had, has = ([_number(t[figure]) for t in trials] for trials in (base, changed))
+    change = bootstrap_difference(had, has, units_of(base), units_of(changed))
+    return Effect(*about, before, after, change)
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+def _or_0(change: Interval) -> float:
+    return 0.0 if math.isnan(change.value) else change.value
 
 
 def read_trials(folder: Path) -> list[dict[str, Any]]:

@@ -13,14 +13,8 @@ from itertools import islice
 from typing import Any
 
 from palms.errors import InputError, PalmsError
-from palms.evaluation.experiment import (
-    Batch,
-    Experiment,
-    Journal,
-    Record,
-    Subject,
-    run_batch,
-)
+from palms.evaluation.experiment import Batch, Experiment, Record, Subject, run_batch
+from palms.evaluation.journal import Journal
 from palms.evaluation.processes import in_processes
 from palms.io import Case
 
@@ -65,7 +59,7 @@ def run_experiment(
     """
     cases = {(case.scene, case.name): case for case in experiment.cases()}
     batches = experiment.batches(cases.values(), journal.done)
-    load = _loader(cases, experiment.walk_source)
+    load = _loader(cases, experiment)
     if cluster is not None:
         arriving = _on_cluster(experiment, batches, load, cluster)
     elif jobs > 1:
@@ -80,10 +74,10 @@ def run_experiment(
                 progress(len(records))
 
 
-def _loader(cases: dict[tuple[str, str], Case], source: str) -> Loader:
+def _loader(cases: dict[tuple[str, str], Case], experiment: Experiment) -> Loader:
     @lru_cache(maxsize=4)
     def read(scene: str, walk: str) -> Subject:
-        return Subject.of(cases[scene, walk], source)
+        return experiment.subject(cases[scene, walk])
 
     return lambda batch: read(batch.scene, batch.walk)
 

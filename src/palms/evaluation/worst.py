@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 
 from palms.belief import Stage
 from palms.evaluation.experiment import Experiment, Subject
+from palms.evaluation.oracle import ORACLE
 from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
 from palms.io import Case
@@ -37,23 +38,34 @@ _JUMP_M: Final = 3.0  # an answer that moves farther in one step was not walked
 _WIDTHS: Final = {Stage.SEARCHING: 1.1, Stage.ORIENTED: 1.2, Stage.LOCALIZED: 2.0, Stage.LOST: 1.3}
 
 
-def rerun_command(experiment: Experiment, case: Case, method: str, seed: int) -> str:
+def rerun_command(experiment: Experiment, case: Case, record: Mapping[str, Any]) -> str:
     """Return the command line that runs one trial once more.
+
+    The oracle is told the noise of a case, which `palms track` does not read: its walk is run
+    by `palms bench`, up to this trial.
 
     Examples
     --------
     >>> from pathlib import Path
     >>> case = Case("E2", Path("d/maps/E2.csv"), "w1", Path("d/w1/w1.json"), (Path("d/w1/S_7"),))
-    >>> rerun_command(Experiment(Path("d"), ("paper",)), case, "paper", 42)
+    >>> record = {"method": "paper", "seed": 42, "trial": 0}
+    >>> rerun_command(Experiment(Path("d"), ("paper",)), case, record)
     'palms track d/maps/E2.csv d/w1/S_7 d/w1 --method paper --seed 42'
+    >>> rerun_command(Experiment(Path("d"), ("oracle",)), case, record | {"method": "oracle"})
+    'palms bench d --methods oracle --only E2/w1 --trials 1 --seed 0 --out rerun'
     """
-    words = ["palms", "track", str(case.plan_path), *map(str, case.scan_paths[:1])]
-    words += [str(case.folder), "--method", method, "--seed", str(seed)]
+    method = record["method"]
+    if method == ORACLE:
+        words = ["palms", "bench", str(experiment.dataset), "--methods", method, "--only"]
+        words += [case.title, "--trials", str(record["trial"] + 1), "--seed", str(experiment.seed)]
+    else:
+        words = ["palms", "track", str(case.plan_path), *map(str, case.scan_paths[:1])]
+        words += [str(case.folder), "--method", method, "--seed", str(record["seed"])]
     if experiment.particles is not None:
         words += ["--particles", str(experiment.particles)]
     if experiment.walk_source != "arkit":
         words += ["--walk-source", experiment.walk_source]
-    return shlex.join(words)
+    return shlex.join(words + (["--out", "rerun"] if method == ORACLE else []))
 
 
 def rerun(experiment: Experiment, subject: Subject, record: Mapping[str, Any]) -> Track:
@@ -67,7 +79,7 @@ def rerun(experiment: Experiment, subject: Subject, record: Mapping[str, Any]) -
     >>> len(rerun(experiment, Subject.of(case), {"method": "uniform", "seed": 3}))
     227
     """
-    settings = experiment.settings(record["method"])
+    settings = experiment.settings(record["method"], subject.noise)
     settings = replace(settings, answer=replace(settings.answer, hypotheses=0))
     seeds = [record["seed"]]
     tracks = track_trials(subject.plan, subject.scan, subject.odometry, settings, seeds)

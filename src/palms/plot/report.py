@@ -35,7 +35,7 @@ _WIDE: Final = ("stages.png", "pipeline.png", "empty-space.png")  # scrolled on 
 _FOLDED: Final = (".gif",)  # moves: shown when asked for
 
 _STYLE: Final = """
-thead th, td.short, tbody th { white-space: nowrap; }
+thead th, td.short:not(:last-child), tbody th { white-space: nowrap; }
 .wide img { max-width: none; width: 100%; min-width: 46rem; }"""
 
 _MAIN: Final = Template("""<section aria-labelledby="numbers">
@@ -255,7 +255,8 @@ def _told(story: Story, estimate: Estimate) -> list[str]:
 
 
 def _where(story: Story, x_m: float, y_m: float) -> str:
-    room, coordinates = story.plan.room_at((x_m, y_m)), f"x {x_m:.1f} m, y {y_m:.1f} m"
+    room = story.plan.room_at((x_m, y_m))
+    coordinates = f"x {x_m:.1f} m, y {y_m:.1f} m".replace(" ", "\u00a0")
     return f"{room} ({coordinates})" if room else coordinates
 
 

@@ -31,7 +31,12 @@ from palms.evaluation.simulation.layout import Passage, Pose, plan_of_rooms
 from palms.evaluation.simulation.levels import Tower, walk_levels
 from palms.evaluation.simulation.noise import drift_of, inertial_odometry, vio_odometry, with_jump
 from palms.evaluation.simulation.nuisances import NuisanceRanges, Nuisances, draw_nuisances
-from palms.evaluation.simulation.output import Count, simulate_site, write_simulated
+from palms.evaluation.simulation.output import (
+    Count,
+    read_nuisances,
+    simulate_site,
+    write_simulated,
+)
 from palms.evaluation.simulation.pace import resampled, with_facing, with_pause, with_stops
 from palms.evaluation.simulation.rays import cast_rays
 from palms.evaluation.simulation.routes import FreeSpace, Ways, find_ways, free_space
@@ -98,6 +103,7 @@ __all__ = [
     "plan_of_rooms",
     "plan_route",
     "random_for",
+    "read_nuisances",
     "resampled",
     "sample_building",
     "simulate_site",

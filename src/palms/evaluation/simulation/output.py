@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+from palms.errors import FormatError, InputError
 from palms.evaluation.simulation.cases import (
     CaseSettings,
     SimulatedCase,
@@ -13,15 +14,23 @@ from palms.evaluation.simulation.cases import (
     simulate_start,
     simulate_walk,
 )
-from palms.evaluation.simulation.nuisances import NuisanceRanges
+from palms.evaluation.simulation.nuisances import NuisanceRanges, Nuisances
 from palms.evaluation.simulation.sites import Site
-from palms.io import write_case, write_json, write_plan
+from palms.io import read_json, write_case, write_json, write_plan
 from palms.io.events import EVENTS_FILE, write_events
-from palms.io.values import StrPath
+from palms.io.values import StrPath, check_number
 
-__all__ = ["NUISANCES_FILE", "PICTURE_FILE", "Count", "simulate_site", "write_simulated"]
+__all__ = [
+    "NUISANCES_FILE",
+    "PICTURE_FILE",
+    "Count",
+    "read_nuisances",
+    "simulate_site",
+    "write_simulated",
+]
 
 NUISANCES_FILE = "nuisances.json"
+NUISANCES_SCHEMA = "palms-nuisances/1"
 PICTURE_FILE = "picture.png"
 
 
@@ -109,7 +118,7 @@ def write_simulated(folder: StrPath, site: Site, case: SimulatedCase, picture: b
     if case.events:
         write_events(case.events, written / EVENTS_FILE)
     content = {
-        "schema": "palms-nuisances/1",
+        "schema": NUISANCES_SCHEMA,
         "seed": site.seed,
         "nuisances": case.nuisances.to_json(),
         "stretch": {
@@ -124,3 +133,38 @@ def write_simulated(folder: StrPath, site: Site, case: SimulatedCase, picture: b
 
         write_figure(written / PICTURE_FILE, case_figure(site, case), DPI)
     return written
+
+
+def read_nuisances(folder: StrPath) -> Nuisances:
+    """Read the noise parameters of a case from its folder.
+
+    Raises
+    ------
+    InputError
+        When there are none: the case is not simulated.
+    FormatError
+        When the file is damaged.
+
+    Examples
+    --------
+    >>> read_nuisances("no/such/case")
+    Traceback (most recent call last):
+    palms.errors.InputError: no/such/case: expected nuisances.json of a simulated case, got none
+    """
+    path = Path(folder) / NUISANCES_FILE
+    if not path.is_file():
+        raise InputError(
+            str(folder), expected=f"{NUISANCES_FILE} of a simulated case", got="none"
+        )  # fmt: skip
+    content = read_json(path)
+    if not isinstance(content, dict) or content.get("schema") != NUISANCES_SCHEMA:
+        raise FormatError(str(path), expected=f"schema {NUISANCES_SCHEMA}", got="something else")
+    given = content.get("nuisances")
+    missing = [name for name in NuisanceRanges.names() if name not in (given or {})]
+    if not isinstance(given, dict) or missing:
+        raise FormatError(
+            str(path), expected="nuisances by name", got=f"none called {', '.join(missing[:3])}"
+        )  # fmt: skip
+    return Nuisances(
+        **{name: check_number(given[name], f"{path}: {name}") for name in NuisanceRanges.names()}
+    )
