@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
-from scipy.spatial.transform import Rotation
 
 from palms.geometry import FloatArray
 from palms.inertial.log import RATE_HZ, InertialLog
 from palms.inertial.steps import Steps
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 __all__ = ["Carriage", "how_carried"]
 
@@ -82,6 +83,7 @@ def how_carried(log: InertialLog, attitude: Rotation, steps: Steps) -> Carriage:
 
     Examples
     --------
+    >>> from scipy.spatial.transform import Rotation
     >>> t = np.arange(500) / 50
     >>> swinging = Rotation.from_euler("x", 0.6 * np.sin(6 * t)[:, None])
     >>> log = InertialLog(t, np.tile([0, 0, 9.81], (500, 1)))
@@ -102,6 +104,8 @@ def how_carried(log: InertialLog, attitude: Rotation, steps: Steps) -> Carriage:
 
 
 def _averaged(directions: FloatArray, seconds: float) -> FloatArray:
+    from scipy.ndimage import gaussian_filter1d
+
     mean = gaussian_filter1d(directions, seconds * RATE_HZ, axis=0, mode="nearest")
     return np.asarray(mean / np.maximum(np.linalg.norm(mean, axis=1, keepdims=True), 1e-9))
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from palms.geometry import FloatArray
 from palms.inertial.level import level_axis
 from palms.inertial.log import InertialLog
 from palms.inertial.steps import Steps
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 __all__ = ["step_headings_rad"]
 
@@ -30,6 +34,7 @@ def step_headings_rad(log: InertialLog, attitude: Rotation, steps: Steps) -> Flo
 
     Examples
     --------
+    >>> from scipy.spatial.transform import Rotation
     >>> t = np.arange(500) / 50
     >>> left = Rotation.from_euler("z", 0.1 * t[:, None])
     >>> log = InertialLog(t, np.tile([0, 0, 9.81], (500, 1)))

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
-from scipy.spatial.transform import Rotation
 
 from palms.errors import InputError
 from palms.geometry import FloatArray
 from palms.inertial.log import RATE_HZ, InertialLog
 from palms.inertial.settings import InertialSettings
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
 
 __all__ = ["level_attitude", "level_axis"]
 
@@ -48,6 +51,9 @@ def level_attitude(log: InertialLog, settings: InertialSettings) -> Rotation:
     >>> level_attitude(log, InertialSettings())[0].apply([1, 0, 0]).round(6).tolist()
     [0.0, 0.0, 1.0]
     """
+    from scipy.ndimage import gaussian_filter1d
+    from scipy.spatial.transform import Rotation
+
     if log.attitude is not None and (settings.heading == "attitude" or log.rate_rad_s is None):
         return Rotation.from_quat(_unit(log.attitude))
     if log.rate_rad_s is None:
@@ -68,6 +74,7 @@ def level_axis(attitude: Rotation) -> FloatArray:
 
     Examples
     --------
+    >>> from scipy.spatial.transform import Rotation
     >>> upright = Rotation.from_euler("x", [[90], [80], [85]], degrees=True)
     >>> abs(level_axis(upright)).round(3).tolist()
     [1.0, 0.0, 0.0]
@@ -89,6 +96,8 @@ def _unit(quaternions: FloatArray) -> FloatArray:
 
 def _running_product(turns: Rotation) -> Rotation:
     """Attitude (N,) after each turn about the phone's own axes, in log2(N) rounds."""
+    from scipy.spatial.transform import Rotation
+
     shift, product = 1, turns
     while shift < len(product):
         product = Rotation.concatenate([product[:shift], product[:-shift] * product[shift:]])
@@ -98,6 +107,8 @@ def _running_product(turns: Rotation) -> Rotation:
 
 def _raising(directions: FloatArray) -> Rotation:
     """Shortest rotations (N,) that turn directions upright."""
+    from scipy.spatial.transform import Rotation
+
     unit = directions / np.maximum(np.linalg.norm(directions, axis=1, keepdims=True), 1e-9)
     # half way between a direction and the vertical lies the axis of a half turn to it
     quaternion = np.column_stack([unit[:, 1], -unit[:, 0], np.zeros(len(unit)), 1 + unit[:, 2]])

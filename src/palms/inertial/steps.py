@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import butter, find_peaks, sosfiltfilt
 
 from palms.geometry import FloatArray
 from palms.inertial.log import RATE_HZ, InertialLog
@@ -64,6 +63,8 @@ def find_steps(log: InertialLog, settings: InertialSettings) -> Steps:
     >>> len(steps), steps.duration_s[5].tolist(), round(float(steps.swing_m_s2[5]))
     (20, 0.5, 6)
     """
+    from scipy.signal import butter, find_peaks, sosfiltfilt
+
     band = butter(2, [settings.low_hz, settings.high_hz], "bandpass", fs=RATE_HZ, output="sos")
     felt = np.linalg.norm(log.acceleration_m_s2, axis=1)
     wave = sosfiltfilt(band, felt - felt.mean(), padlen=min(len(felt) - 1, int(3 * RATE_HZ)))

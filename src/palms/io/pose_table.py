@@ -1,0 +1,274 @@
+"""Numbers of pose logs: rows of text or objects of JSON, with or without names of columns."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from array import array
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from palms.errors import FormatError, InputError
+from palms.geometry import FloatArray
+from palms.io.files import read_json, sniff
+from palms.io.packed import read_lines, text_head
+from palms.io.values import StrPath, brief, parse_number
+
+__all__ = ["Parts", "Table", "cells_of", "named_parts", "read_table"]
+
+MAX_ROWS: Final = 1_000_000  # ours: four hours at 60 poses a second
+MAX_JSON_BYTES: Final = 30_000_000  # ours: in memory it becomes fifteen times as much
+_COMMENTS = ("#", "//", "%")
+_LISTS = ("poses", "frames", "data", "trajectory", "samples", "camera_poses", "cameraPoses")
+_POSITION = re.compile(r"^(?:t|p|pos|position|trans|translation|loc|location)?[._ ]?([xyz])$")
+_ROTATION = re.compile(r"^(?:q|quat|quaternion|rot|rotation|orientation)[._ ]?([xyzw])$")
+_MATRIX = re.compile(r"^(?:transform|matrix|pose|camera.?transform|camera.?pose)\.(\d+)$")
+_TIME = re.compile(r"^(?:t|time|timestamp|time.?stamp|ts|seconds_elapsed)$")
+_WITH_UNIT = re.compile(r"^(.+?)(?:_|\s*[\[(]\s*)(ns|us|ms|s|sec|seconds|m)\s*[\])]?$")
+_UNITS = {"ns": "ns", "us": "us", "ms": "ms", "s": "s", "sec": "s", "seconds": "s"}
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Rows of numbers.
+
+    Parameters
+    ----------
+    values : ndarray (T, k)
+        T at least 1.
+    names : tuple of str
+        Of the columns, as the file has them; empty when it has none.
+    comments : tuple of str
+        Comment lines before the first row, without their mark.
+
+    Examples
+    --------
+    >>> Table(np.zeros((1, 2)), ("t", "x"), ()).names
+    ('t', 'x')
+    """
+
+    values: FloatArray
+    names: tuple[str, ...]
+    comments: tuple[str, ...]
+
+
+class Parts(NamedTuple):
+    """Which columns hold what.
+
+    Attributes
+    ----------
+    columns : dict of str to int
+        Of time, x, y, z, qx, qy, qz, qw, as far as they are there.
+    matrix : list of int
+        Of the numbers of a matrix, in order.
+    unit : str or None
+        Of time, where its name says so.
+
+    Examples
+    --------
+    >>> Parts({"time": 0}, [], "ns").unit
+    'ns'
+    """
+
+    columns: dict[str, int]
+    matrix: list[int]
+    unit: str | None
+
+
+def cells_of(line: str) -> list[str]:
+    """Return the cells of a line, separated by commas, semicolons, tabs or blanks.
+
+    Examples
+    --------
+    >>> cells_of("0.5, 1.5;2 3")
+    ['0.5', '1.5', '2', '3']
+    """
+    return [cell for cell in re.split(r"[,;\s]+", line.strip()) if cell]
+
+
+def read_table(path: StrPath, expected: str) -> Table:
+    """Read rows of numbers, JSON objects in a list, or one JSON object a line.
+
+    Parameters
+    ----------
+    path : path
+    expected : str
+        What it should hold, for the message.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read.
+    FormatError
+        When a row is no row of finite numbers like the others; the message names the line.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from palms.io.files import write_text
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_text(f"{folder}/a.csv", "t,x,y,z" + chr(10) + "0,1,2,3" + chr(10))
+    ...     read_table(f"{folder}/a.csv", "poses").values.tolist()
+    [[0.0, 1.0, 2.0, 3.0]]
+    """
+    if sniff(text_head(path)) == "JSON":
+        return _of_objects(list(_objects(path, expected)), path, expected)
+    numbers, width = array("d"), 0
+    names: tuple[str, ...] = ()
+    comments: list[str] = []
+    for number, line in read_lines(path, expected):
+        text = line.strip()
+        if not text or text.startswith(_COMMENTS):
+            if not numbers and text:
+                comments.append(text.lstrip("#/% "))
+            continue
+        cells = cells_of(text)
+        if not width and not names and parse_number(cells[0]) is None:
+            names = tuple(cells) if ";" not in text and "," not in text else _named(text)
+            continue
+        width = width or len(cells)
+        numbers.extend(_numbers(cells, width, f"{path} line {number}", expected))
+        if len(numbers) > MAX_ROWS * width:
+            raise InputError(str(path), expected=f"at most {MAX_ROWS} poses", got="more")
+    return _checked(numbers, width, names, tuple(comments), (path, expected))
+
+
+def _named(header: str) -> tuple[str, ...]:
+    return tuple(name.strip().strip("\"'") for name in re.split(r"[,;]", header))
+
+
+def _numbers(cells: list[str], width: int, what: str, expected: str) -> list[float]:
+    if len(cells) != width:
+        raise FormatError(
+            what, expected=f"{expected}, {width} numbers in each line", got=str(len(cells)),
+            fix="mend or remove that line",
+        )  # fmt: skip
+    values = [parse_number(cell) for cell in cells]
+    for value, cell in zip(values, cells, strict=True):
+        if value is None or not np.isfinite(value):
+            raise FormatError(
+                what, expected=f"{expected}, finite numbers", got=brief(cell),
+                fix="mend or remove that line",
+            )  # fmt: skip
+    return values  # type: ignore[return-value]
+
+
+def _checked(
+    numbers: array[float],
+    width: int,
+    names: tuple[str, ...],
+    comments: tuple[str, ...],
+    where: tuple[StrPath, str],
+) -> Table:
+    path, expected = where
+    if not numbers:
+        raise FormatError(
+            str(path), expected=expected, got="no row with numbers",
+            fix="check that it is the right file",
+        )  # fmt: skip
+    if names and len(names) != width:
+        raise FormatError(
+            str(path), expected=f"{len(names)} numbers in each line, as the header has names",
+            got=str(width), fix="check header and separators",
+        )  # fmt: skip
+    return Table(np.frombuffer(numbers, dtype=np.float64).reshape(-1, width), names, comments)
+
+
+def _objects(path: StrPath, expected: str) -> Iterator[Any]:
+    """Yield the objects of a list, of a list in an object, or of lines."""
+    if os.path.getsize(path) > MAX_JSON_BYTES:
+        raise InputError(
+            str(path), expected=f"at most {MAX_JSON_BYTES / 1e6:g} MB of JSON", got="more",
+            fix="export rows of text instead",
+        )  # fmt: skip
+    first = next((line.strip() for _, line in read_lines(path, expected) if line.strip()), "")
+    if first.startswith("{") and first.endswith("}"):
+        for number, line in read_lines(path, expected):
+            if line.strip():
+                yield _object(line, f"{path} line {number}", expected)
+        return
+    content = read_json(path, expected)
+    if isinstance(content, dict):
+        content = next((content[name] for name in _LISTS if name in content), content)
+    if not isinstance(content, list) or not content:
+        raise FormatError(str(path), expected=expected, got=brief(content))
+    yield from content
+
+
+def _object(line: str, what: str, expected: str) -> Any:  # noqa: ANN401
+    try:
+        return json.loads(line)
+    except (ValueError, RecursionError) as error:
+        raise FormatError(what, expected=expected, got=brief(str(error), 60)) from None
+
+
+def _of_objects(objects: list[Any], path: StrPath, expected: str) -> Table:
+    first: tuple[str, ...] = ()
+    numbers = array("d")
+    for index, item in enumerate(objects):
+        flat = dict(_flattened(item)) if isinstance(item, dict) else {}
+        first = first or tuple(flat)
+        if not flat or any(name not in flat for name in first):
+            missing = next((name for name in first if name not in flat), "numbers")
+            raise FormatError(
+                f"{path}: object {index}", expected=expected, got=f"no {missing}",
+                fix="mend or remove it",
+            )  # fmt: skip
+        numbers.extend(flat[name] for name in first)
+    return _checked(numbers, len(first), first, (), (path, expected))
+
+
+def _flattened(item: dict[str, Any], before: str = "") -> Iterator[tuple[str, float]]:
+    """Yield names and numbers of an object: nested names joined by dots, lists numbered."""
+    for key, value in item.items():
+        name = f"{before}{key}"
+        if isinstance(value, dict) and not before:
+            yield from _flattened(value, f"{name}.")
+        elif isinstance(value, list):
+            yield from _listed(value, name)
+        elif isinstance(value, int | float) and not isinstance(value, bool) and np.isfinite(value):
+            yield name, float(value)
+
+
+def _listed(values: list[Any], name: str) -> Iterator[tuple[str, float]]:
+    flat = [v for row in values for v in (row if isinstance(row, list) else [row])]
+    if len(flat) > 16 or not all(isinstance(v, int | float) and np.isfinite(v) for v in flat):
+        return
+    labels = "xyzw" if len(flat) in (3, 4) else range(len(flat))
+    yield from ((f"{name}.{label}", float(v)) for label, v in zip(labels, flat, strict=True))
+
+
+def named_parts(names: tuple[str, ...]) -> Parts:
+    """Return which columns hold what; unknown ones are ignored.
+
+    Examples
+    --------
+    >>> parts = named_parts(("frame", "timestamp_ns", "x", "y", "z"))
+    >>> parts.columns, parts.unit
+    ({'time': 1, 'x': 2, 'y': 3, 'z': 4}, 'ns')
+    """
+    columns: dict[str, int] = {}
+    matrix: dict[int, int] = {}
+    unit = None
+    for index, raw in enumerate(names):
+        name, found = _without_unit(raw)
+        if _TIME.match(name) and "time" not in columns:
+            columns["time"], unit = index, found
+        elif (match := _POSITION.match(name)) is not None:
+            columns.setdefault(match[1], index)
+        elif (match := _ROTATION.match(name)) is not None:
+            columns.setdefault(f"q{match[1]}", index)
+        elif (match := _MATRIX.match(name)) is not None:
+            matrix[int(match[1])] = index
+    return Parts(columns, [matrix[k] for k in sorted(matrix)], unit)
+
+
+def _without_unit(name: str) -> tuple[str, str | None]:
+    """Split "timestamp (ns)" or "timestamp_ns" into name and unit."""
+    plain = name.strip().strip("\"'").lower()
+    match = _WITH_UNIT.match(plain)
+    return (match[1], _UNITS.get(match[2])) if match is not None else (plain, None)
