@@ -92,7 +92,7 @@ def read_android(
     log = {name: Gathered(*bounds) for name, bounds in _SENSORS.items()}
     place = _gather(path, log)
     sensors = _sensors(log)
-    starts = [times[0] for times, _ in sensors.values() if len(times)]
+    starts = [float(times.min()) for times, _ in sensors.values() if len(times)]
     zero = min(starts, default=0.0)
     shifted = {name: (times - zero, values) for name, (times, values) in sensors.items()}
     odometry = reckon(shifted, options, path)

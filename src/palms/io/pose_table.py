@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 import re
+import warnings
 from array import array
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -12,7 +14,7 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 
-from palms.errors import FormatError, InputError
+from palms.errors import FormatError, InputError, PalmsWarning
 from palms.geometry import FloatArray
 from palms.io.files import read_json, sniff
 from palms.io.packed import read_lines, text_head
@@ -116,7 +118,7 @@ def read_table(path: StrPath, expected: str) -> Table:
     [[0.0, 1.0, 2.0, 3.0]]
     """
     if sniff(text_head(path)) == "JSON":
-        return _of_objects(list(_objects(path, expected)), path, expected)
+        return _of_objects(_objects(path, expected), path, expected)
     numbers, width = array("d"), 0
     names: tuple[str, ...] = ()
     comments: list[str] = []
@@ -127,10 +129,10 @@ def read_table(path: StrPath, expected: str) -> Table:
                 comments.append(text.lstrip("#/% "))
             continue
         cells = cells_of(text)
-        if not width and not names and parse_number(cells[0]) is None:
+        if not width and not names and cells and parse_number(cells[0]) is None:
             names = tuple(cells) if ";" not in text and "," not in text else _named(text)
             continue
-        width = width or len(cells)
+        width = width or max(len(cells), 1)
         numbers.extend(_numbers(cells, width, f"{path} line {number}", expected))
         if len(numbers) > MAX_ROWS * width:
             raise InputError(str(path), expected=f"at most {MAX_ROWS} poses", got="more")
@@ -178,48 +180,57 @@ def _checked(
     return Table(np.frombuffer(numbers, dtype=np.float64).reshape(-1, width), names, comments)
 
 
-def _objects(path: StrPath, expected: str) -> Iterator[Any]:
-    """Yield the objects of a list, of a list in an object, or of lines."""
+def _objects(path: StrPath, expected: str) -> list[Any]:
+    """Return the objects of a list, of a list in an object, or of lines."""
     if os.path.getsize(path) > MAX_JSON_BYTES:
         raise InputError(
             str(path), expected=f"at most {MAX_JSON_BYTES / 1e6:g} MB of JSON", got="more",
             fix="export rows of text instead",
         )  # fmt: skip
-    first = next((line.strip() for _, line in read_lines(path, expected) if line.strip()), "")
-    if first.startswith("{") and first.endswith("}"):
-        for number, line in read_lines(path, expected):
-            if line.strip():
-                yield _object(line, f"{path} line {number}", expected)
-        return
+    lines = ((number, line) for number, line in read_lines(path, expected) if line.strip())
+    begin = list(itertools.islice(lines, 2))
+    if len(begin) == 2 and all(line.strip()[0] + line.strip()[-1] == "{}" for _, line in begin):
+        return [
+            _object(line, f"{path} line {number}", expected)
+            for number, line in itertools.chain(begin, lines)
+        ]
     content = read_json(path, expected)
     if isinstance(content, dict):
         content = next((content[name] for name in _LISTS if name in content), content)
     if not isinstance(content, list) or not content:
         raise FormatError(str(path), expected=expected, got=brief(content))
-    yield from content
+    return content
 
 
 def _object(line: str, what: str, expected: str) -> Any:  # noqa: ANN401
     try:
-        return json.loads(line)
+        return json.loads(line, parse_int=float)
     except (ValueError, RecursionError) as error:
-        raise FormatError(what, expected=expected, got=brief(str(error), 60)) from None
+        raise FormatError(
+            what, expected=expected, got=f"no JSON ({brief(str(error), 60)})",
+            fix="mend or remove that line",
+        ) from None  # fmt: skip
 
 
 def _of_objects(objects: list[Any], path: StrPath, expected: str) -> Table:
-    first: tuple[str, ...] = ()
-    numbers = array("d")
-    for index, item in enumerate(objects):
-        flat = dict(_flattened(item)) if isinstance(item, dict) else {}
-        first = first or tuple(flat)
-        if not flat or any(name not in flat for name in first):
-            missing = next((name for name in first if name not in flat), "numbers")
-            raise FormatError(
-                f"{path}: object {index}", expected=expected, got=f"no {missing}",
-                fix="mend or remove it",
-            )  # fmt: skip
-        numbers.extend(flat[name] for name in first)
-    return _checked(numbers, len(first), first, (), (path, expected))
+    """Return objects as rows, without those that lack a number, as when tracking was lost."""
+    rows = [dict(_flattened(item)) if isinstance(item, dict) else {} for item in objects]
+    names = tuple(next((row for row in rows if row), {}))
+    whole = [row for row in rows if row and all(name in row for name in names)]
+    numbers = array("d", (row[name] for row in whole for name in names))
+    lost = len(rows) - len(whole)
+    if len(whole) < lost:
+        raise FormatError(
+            str(path), expected=expected, got=f"{lost} of {len(rows)} objects without the numbers "
+            "of the first", fix="check that it is the right file",
+        )  # fmt: skip
+    if lost:
+        warnings.warn(
+            f"{path}: {lost} of {len(rows)} objects have no pose and are left out",
+            PalmsWarning,
+            stacklevel=4,
+        )
+    return _checked(numbers, len(names), names, (), (path, expected))
 
 
 def _flattened(item: dict[str, Any], before: str = "") -> Iterator[tuple[str, float]]:
@@ -238,7 +249,7 @@ def _listed(values: list[Any], name: str) -> Iterator[tuple[str, float]]:
     flat = [v for row in values for v in (row if isinstance(row, list) else [row])]
     if len(flat) > 16 or not all(isinstance(v, int | float) and np.isfinite(v) for v in flat):
         return
-    labels = "xyzw" if len(flat) in (3, 4) else range(len(flat))
+    labels = "xyzw"[: len(flat)] if len(flat) in (3, 4) else range(len(flat))
     yield from ((f"{name}.{label}", float(v)) for label, v in zip(labels, flat, strict=True))
 
 

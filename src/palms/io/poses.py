@@ -195,7 +195,7 @@ def _recognizes(path: Path) -> bool:
     if sniff(start) == "JSON":
         return _has_pose_keys(start)
     cells = cells_of(rows[0])
-    if parse_number(cells[0]) is None:
+    if cells and parse_number(cells[0]) is None:
         parts = named_parts(tuple(cells))
         return "time" in parts.columns and all(name in parts.columns for name in _POINTS)
     return len(cells) in (8, 13, 17) and all(parse_number(cell) is not None for cell in cells)

@@ -5,6 +5,7 @@ There are no times in them: samples lie evenly, 200 a second in RoNIN's own data
 
 from __future__ import annotations
 
+import tokenize
 from pathlib import Path
 from typing import Final
 
@@ -16,14 +17,18 @@ from palms.io.files import MAX_BYTES, head, read_text
 from palms.io.options import number_option
 from palms.io.pose_log import EVERY_S, thinned
 from palms.io.registry import Format
-from palms.io.values import StrPath, locating
+from palms.io.values import StrPath, brief, locating
 from palms.io.walk import RecordedWalk
 from palms.odometry import Odometry
 
 __all__ = ["FORMAT", "RATE_HZ", "read_ronin"]
 
 RATE_HZ: Final = 200.0  # RoNIN's data set
+MAX_ROWS: Final = 2_000_000  # ours: almost three hours of them
 _MAGIC = b"\x93NUMPY"
+_UNREADABLE = (
+    OSError, ValueError, EOFError, SyntaxError, TypeError, OverflowError, tokenize.TokenError,
+)  # fmt: skip
 _EXPECTED = "a track of RoNIN: an npy array of x, y, with reference x, y or without"
 
 
@@ -85,10 +90,16 @@ def _load(path: StrPath) -> FloatArray:
     try:
         array = np.load(path, mmap_mode="r", allow_pickle=False)
         numeric = array.dtype.kind in "fiu" and array.ndim == 2 and array.shape[1] in (2, 4)
-        table = np.array(array, dtype=np.float64) if numeric else None
-    except (OSError, ValueError, EOFError, SyntaxError, TypeError, OverflowError) as error:
+        if numeric and len(array) > MAX_ROWS:
+            raise InputError(str(path), expected=f"at most {MAX_ROWS} samples", got="more")
+        with np.errstate(all="ignore"):  # numbers that are none are refused below
+            table = np.array(array, dtype=np.float64) if numeric else None
+    except InputError:
+        raise
+    except _UNREADABLE as error:
         raise FormatError(
-            str(path), expected=_EXPECTED, got=f"an array that cannot be read ({error})"[:120],
+            str(path), expected=_EXPECTED,
+            got=f"an array that cannot be read ({brief(str(error), 60)})",
             fix="copy or save it again",
         ) from None  # fmt: skip
     if table is None or len(table) < 3:

@@ -88,7 +88,8 @@ def read_tum(
     if whose == "auto":
         whose = told.get("frame", "scan")
     ground = GROUNDS[_UP[axis]] if axis != "auto" else _level_ground(log, path)
-    walk = ground_walk(log, ground, "own" if whose == "own" else "scan", "auto", path)
+    ahead = "x" if told else "auto"
+    walk = ground_walk(log, ground, "own" if whose == "own" else "scan", ahead, path)
     odometry = walk.odometry()
     if told.get("facing") == "no":
         odometry = replace(odometry, facing_rad=None)
