@@ -168,7 +168,8 @@ def _android() -> str:
     rows += [(1000 * k, "TYPE_WIFI\tab12\tc0:ff:ee\t-61\t2437") for k in range(1, 20)]
     lines = [f"{EPOCH_MS + t}\t{row}" for t, row in sorted(rows, key=lambda row: row[0])]
     lines[200:202] = [lines[200] + lines[201]]  # a lost line end
-    lines[400] = lines[400][: len(lines[400]) // 2]  # a row that was cut
+    cut = next(k for k in range(400, len(lines)) if "TYPE_GYROSCOPE" in lines[k])
+    lines[cut] = lines[cut].rsplit("\t", 3)[0]  # a row that was cut
     head = ["#\tstartTime:" + str(EPOCH_MS), "#\tSiteName:Sample\tFloorName:2"]
     return "\n".join([*head, *lines]) + "\n"
 

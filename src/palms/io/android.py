@@ -17,7 +17,6 @@ import numpy as np
 
 from palms.errors import FormatError
 from palms.geometry import FloatArray
-from palms.inertial.log import MAX_DURATION_S
 from palms.io.files import sniff
 from palms.io.packed import read_lines, text_head
 from palms.io.reckoned import Gathered, ReckoningOptions, reckon, report_damage
@@ -54,7 +53,7 @@ def read_android(
 ) -> RecordedWalk:
     """Read an Android sensor log; its walk is found by dead reckoning.
 
-    The frame is the walk's own. Times count from the first row.
+    The frame is the walk's own. Times count from the first reading or waypoint.
 
     Parameters
     ----------
@@ -92,11 +91,12 @@ def read_android(
     log = {name: Gathered(*bounds) for name, bounds in _SENSORS.items()}
     place = _gather(path, log)
     sensors = _sensors(log)
-    starts = [float(times.min()) for times, _ in sensors.values() if len(times)]
+    all_times = np.concatenate([times for times, _ in sensors.values()])
+    marks = log["TYPE_WAYPOINT"].readings(float(np.median(all_times)) if len(all_times) else None)
+    starts = [float(times.min()) for times, _ in (*sensors.values(), marks) if len(times)]
     zero = min(starts, default=0.0)
     shifted = {name: (times - zero, values) for name, (times, values) in sensors.items()}
     odometry = reckon(shifted, options, path)
-    marks = log["TYPE_WAYPOINT"].readings(zero)
     return _with_waypoints(odometry, (marks[0] - zero, marks[1]), place, path)
 
 
@@ -163,8 +163,6 @@ def _with_waypoints(
 ) -> RecordedWalk:
     """Give each waypoint to the step that ends nearest in time."""
     time, points = marks
-    usable = np.abs(time) < MAX_DURATION_S
-    time, points = time[usable], points[usable]
     reference = np.full((len(odometry), 2), np.nan)
     for at, point in zip(time.tolist(), points, strict=True):
         nearest = int(np.abs(odometry.time_s - at).argmin())
