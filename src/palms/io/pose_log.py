@@ -61,7 +61,7 @@ class Ground:
     def project(self, points_m: FloatArray) -> FloatArray:
         """Return points (N, 2) on the ground of points (N, 3) in space."""
         (i, a), (j, b) = self.first, self.second
-        return np.column_stack([a * points_m[:, i], b * points_m[:, j]])
+        return np.column_stack([a * points_m[:, i], b * points_m[:, j]]) + 0.0
 
 
 GROUNDS: Final = {
