@@ -134,6 +134,16 @@ def test_a_packed_log_is_the_same(tmp_path):
     np.testing.assert_array_equal(one.ronin.position_m, other.ronin.position_m)
 
 
+def test_pauses_and_slow_sensors_are_said(put, usual, log):
+    paused = [line for line in usual if not 10_000 < int(line[:13]) - T0 < 14_000]
+    with pytest.warns(PalmsWarning, match=r"no readings of \w+ for 4\.0 s from 10 s on"):
+        read_android(put("a.txt", "\n".join(paused)))
+    half = len(log.time_s)
+    slow = [*usual[:half:4], *usual[half::4]]
+    with pytest.warns(PalmsWarning, match=r"only 1[23] readings of \w+ a second"):
+        read_android(put("a.txt", "\n".join(slow)))
+
+
 def test_a_bomb_of_gzip_is_refused(tmp_path, monkeypatch, says):
     monkeypatch.setattr("palms.io.packed.MAX_BYTES", 100_000)
     path = tmp_path / "log.txt.gz"

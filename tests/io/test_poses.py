@@ -89,6 +89,13 @@ def test_objects_without_a_pose_are_left_out(put):
         read_poses(put("a.json", objects[:2] + [{}] * 4))
 
 
+def test_long_documents_on_one_line_are_read(put):
+    frames = [{"t": k / 10, "p": [0.1 * k, 0, 0], "note": "x" * 100} for k in range(2000)]
+    assert len(read_poses(put("a.json", frames))) == 500
+    lines = "\n".join(json.dumps(frame) for frame in frames)
+    assert len(read_poses(put("a.jsonl", lines))) == 500
+
+
 def test_matrices_as_nested_rows_and_columns_agree(put):
     matrix = np.eye(4)
     matrix[:3, :3] = Rotation.from_euler("y", 40, degrees=True).as_matrix()

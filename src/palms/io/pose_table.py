@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import json
 import os
 import re
@@ -187,12 +186,11 @@ def _objects(path: StrPath, expected: str) -> list[Any]:
             str(path), expected=f"at most {MAX_JSON_BYTES / 1e6:g} MB of JSON", got="more",
             fix="export rows of text instead",
         )  # fmt: skip
-    lines = ((number, line) for number, line in read_lines(path, expected) if line.strip())
-    begin = list(itertools.islice(lines, 2))
-    if len(begin) == 2 and all(line.strip()[0] + line.strip()[-1] == "{}" for _, line in begin):
+    if _is_lines(text_head(path)):
         return [
             _object(line, f"{path} line {number}", expected)
-            for number, line in itertools.chain(begin, lines)
+            for number, line in read_lines(path, expected)
+            if line.strip()
         ]
     content = read_json(path, expected)
     if isinstance(content, dict):
@@ -200,6 +198,12 @@ def _objects(path: StrPath, expected: str) -> list[Any]:
     if not isinstance(content, list) or not content:
         raise FormatError(str(path), expected=expected, got=brief(content))
     return content
+
+
+def _is_lines(start: bytes) -> bool:
+    """Whether JSON begins with a line that is an object, and another one."""
+    lines = [line.strip() for line in start.splitlines() if line.strip()][:2]
+    return len(lines) == 2 and lines[0][:1] + lines[0][-1:] == b"{}" and lines[1][:1] == b"{"
 
 
 def _object(line: str, what: str, expected: str) -> Any:  # noqa: ANN401

@@ -21,6 +21,8 @@ from palms.odometry import Odometry
 __all__ = ["MAX_READINGS", "Gathered", "ReckoningOptions", "reckon", "report_damage"]
 
 MAX_READINGS: Final = 5_000_000  # ours: of one sensor; six hours at 200 a second
+_GAP_S = 1.0  # ours: two steps
+_SLOW_S = 0.06  # ours: nine readings a step; phones give 50 a second and more
 _MOSTLY = 0.5  # ours: a log of which more is damaged is none
 
 
@@ -143,8 +145,25 @@ def reckon(
         )
     if "rate" in there and settings.heading != "attitude":
         there.pop("attitude", None)
+    for name, (time, _) in there.items():
+        _look_for_gaps(np.sort(time), name, path)
     with locating(path):
         return dead_reckon(InertialLog.of_sensors(**there), settings, str(path))
+
+
+def _look_for_gaps(time_s: FloatArray, name: str, path: StrPath) -> None:
+    """Warn of a sensor that paused, or is too slow to show steps."""
+    step = np.diff(time_s)
+    longest, usual = float(step.max()), float(np.median(step))
+    if longest > _GAP_S:
+        at = float(time_s[int(step.argmax())])
+        problem = f"no readings of {name} for {longest:.1f} s from {at:.0f} s on; what was walked"
+        problem += " then is missing"
+    elif usual > _SLOW_S:
+        problem = f"only {1 / usual:.0f} readings of {name} a second; steps may be missed"
+    else:
+        return
+    warnings.warn(f"{path}: {problem}", PalmsWarning, stacklevel=4)
 
 
 def report_damage(damaged: int, rows: int, path: StrPath) -> None:
