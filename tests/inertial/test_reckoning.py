@@ -76,12 +76,25 @@ def test_without_gyroscope_the_attitude_serves_and_without_both_it_is_said():
         dead_reckon(replace(sensed.log, rate_rad_s=None, attitude=None))
 
 
-@pytest.mark.parametrize("sway_deg", [25.0, 45.0])
-def test_a_swinging_phone_is_said(sway_deg):
-    phone = Phone(tilt_deg=-70.0, sway_deg=sway_deg)
+SWUNG = {
+    "in a pocket": (25.0, 0.4, 0.12),
+    "in a hand": (30.0, 0.6, 0.13),
+    "widely": (45.0, 0.6, 0.32),
+}
+
+
+@pytest.mark.parametrize(("sway_deg", "arm_m", "too_long"), SWUNG.values(), ids=SWUNG)
+def test_a_swinging_phone_is_said_and_constant_lengths_serve(sway_deg, arm_m, too_long):
+    """By how much steps come out too long stands in the explanation."""
+    phone = Phone(tilt_deg=-70.0, sway_deg=sway_deg, arm_m=arm_m)
     sensed = sense(*corners(), phone, np.random.default_rng(6))
-    with pytest.warns(PalmsWarning, match=r"sways by \d+ degrees"):
-        dead_reckon(sensed.log, name="log.txt")
+    with pytest.warns(PalmsWarning, match=r"log.txt: the phone sways by \d+ degrees"):
+        walk = dead_reckon(sensed.log, name="log.txt")
+    assert walk.walked_m[-1] / (120 * 0.65) - 1 == pytest.approx(too_long, abs=0.015)
+    with pytest.warns(PalmsWarning):
+        constant = dead_reckon(sensed.log, InertialSettings(length="constant", step_m=0.65))
+    assert abs(len(constant) - 120) <= 2
+    assert end_error(constant, sensed) < 0.03
 
 
 def test_a_phone_that_is_put_away_on_the_way_is_said():

@@ -24,13 +24,14 @@ class Phone:
     """How the phone is carried and how good its sensors are.
 
     tilt_deg is that of its top above the horizon, roll_deg about its long axis; sway_deg is
-    the amplitude of tilting, at the rate of strides; noises are standard deviations of single
-    readings at 100 a second, the bias is the gyroscope's.
+    the amplitude of tilting, at the rate of strides, on an arm or leg of arm_m; noises are
+    standard deviations of single readings, the bias is the gyroscope's.
     """
 
     tilt_deg: float = 30.0
     roll_deg: float = 0.0
     sway_deg: float = 3.0
+    arm_m: float = 0.0
     rate_hz: float = 100.0
     acceleration_noise_m_s2: float = 0.1
     rate_noise_rad_s: float = 0.01
@@ -55,7 +56,8 @@ def sense(time_s, position_m, phone: Phone, rng: np.random.Generator) -> Sensed:
     length = np.linalg.norm(np.diff(position_m, axis=0), axis=1)
     phase = np.interp(t, time_s, np.arange(len(time_s)))  # steps done so far
     attitude = _attitude(t, time_s, position_m, phase, phone)
-    felt = attitude.inv().apply(_acceleration(t, time_s, length, phase))
+    world = _acceleration(t, time_s, length, phase) + _swinging(t, attitude, phase, phone)
+    felt = attitude.inv().apply(world)
     turns = (attitude[:-1].inv() * attitude[1:]).as_rotvec() * phone.rate_hz
     rate = np.concatenate([turns, turns[-1:]]) + phone.bias_rad_s
     log = InertialLog(
@@ -88,6 +90,15 @@ def _acceleration(t, time_s, length, phase):
     walking = (t >= time_s[0]) & (t <= time_s[-1])
     up = GRAVITY_M_S2 + walking * 0.5 * smooth * np.cos(2 * np.pi * phase)
     return np.column_stack([0 * t, 0 * t, up])
+
+
+def _swinging(t, attitude, phase, phone: Phone):
+    """Acceleration (N, 3) of a phone at the end of an arm that swings to and fro."""
+    angle = np.radians(phone.sway_deg) * np.sin(np.pi * phase)
+    ahead, down = phone.arm_m * np.sin(angle), phone.arm_m * np.cos(angle)
+    yaw = np.unwrap(np.arctan2(*attitude.apply([1.0, 0.0, 0.0])[:, 1::-1].T)) + np.pi / 2
+    place = np.column_stack([ahead * np.cos(yaw), ahead * np.sin(yaw), -down])
+    return np.gradient(np.gradient(place, t, axis=0), t, axis=0)
 
 
 def corners(steps: int = 120, step_m: float = 0.65, step_s: float = 0.54):

@@ -58,8 +58,8 @@ class Carriage:
         if self.kind == "swung":
             return (
                 f"the phone sways by {math.degrees(self.sway_rad):.0f} degrees, as in a swinging "
-                "hand or a trouser pocket; dead reckoning is measured for phones held steady, "
-                "and lengths and directions may be far off"
+                "hand or a trouser pocket; dead reckoning is measured for phones held steady, and "
+                "steps come out too long unless their length is constant"
             )
         if self.kind == "moved":
             return (

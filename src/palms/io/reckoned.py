@@ -145,10 +145,11 @@ def reckon(
         )
     if "rate" in there and settings.heading != "attitude":
         there.pop("attitude", None)
+    with locating(path):
+        walk = dead_reckon(InertialLog.of_sensors(**there), settings, str(path))
     for name, (time, _) in there.items():
         _look_for_gaps(np.sort(time), name, path)
-    with locating(path):
-        return dead_reckon(InertialLog.of_sensors(**there), settings, str(path))
+    return walk
 
 
 def _look_for_gaps(time_s: FloatArray, name: str, path: StrPath) -> None:
