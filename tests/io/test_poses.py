@@ -89,6 +89,25 @@ def test_objects_without_a_pose_are_left_out(put):
         read_poses(put("a.json", objects[:2] + [{}] * 4))
 
 
+def test_columns_of_words_are_left_alone(put):
+    rows = "".join(f"{k},normal,{k},0,0,not mapped yet\n" for k in range(4))
+    walk = read_poses(put("a.csv", f"time,state,x,y,z,mapping\n{rows}"))
+    assert walk.odometry().position_m.tolist() == [[1, 0], [2, 0], [3, 0]]
+    words = rows.replace("2,normal,2", "2,normal,lost")
+    with pytest.raises(FormatError, match="line 4"):
+        read_poses(put("a.csv", f"time,state,x,y,z,mapping\n{words}"))
+    with pytest.raises(FormatError, match="the columns time, x, z"):
+        read_poses(put("a.csv", "time,state,x,y,z\n0,a,1,b,2\n1,a,2,b,3\n"))
+
+
+def test_a_comment_may_name_the_columns(put):
+    turn = Rotation.from_euler("y", 40, degrees=True).as_quat()
+    rows = "".join(f"{k} {turn[3]} 0 {turn[1]} 0 {k} 1.4 0\n" for k in range(4))
+    walk = read_poses(put("a.txt", f"# made\n# timestamp qw qx qy qz tx ty tz\n{rows}"))
+    np.testing.assert_allclose(walk.odometry().position_m, [[1, 0], [2, 0], [3, 0]])
+    np.testing.assert_allclose(walk.odometry().facing_rad, np.radians(130))
+
+
 def test_long_documents_on_one_line_are_read(put):
     frames = [{"t": k / 10, "p": [0.1 * k, 0, 0], "note": "x" * 100} for k in range(2000)]
     assert len(read_poses(put("a.json", frames))) == 500

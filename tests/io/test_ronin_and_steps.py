@@ -63,17 +63,13 @@ def test_rate_and_spacing(tmp_path):
     ("text", "end"),
     [
         ("0.5,0.6,0\n1.0,0.6,1.5708\n", [0.6, 0.6]),
-        ("t_ms;step_length_m;heading_deg\n500;0,6;0\n1000;0,6;90\n", None),
+        ("t_ms;step_length_m;heading_deg\n500;0,6;0\n1000;0,6;90\n", [0.6, 0.6]),
         ("heading (deg),t,step\n0,0.5,0.6\n90,1,0.6\n", [0.6, 0.6]),
         ("timestamp_ns,length,yaw_rad\n500000000,0.6,0\n1000000000,0.6,1.5708\n", [0.6, 0.6]),
     ],
 )
 def test_columns_by_their_names(put, text, end):
     path = put("a.csv", text)
-    if end is None:  # decimal commas are more columns than the header has
-        with pytest.raises(FormatError, match=r"a\.csv"):
-            read_step_heading(path)
-        return
     walk = read_walk(path).odometry("ronin")
     np.testing.assert_allclose(walk.time_s, [0.5, 1.0])
     np.testing.assert_allclose(walk.position_m[-1], end, atol=1e-5)

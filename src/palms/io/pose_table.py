@@ -81,14 +81,25 @@ class Parts(NamedTuple):
 
 
 def cells_of(line: str) -> list[str]:
-    """Return the cells of a line, separated by commas, semicolons, tabs or blanks.
+    """Return the cells of a line: between semicolons, else commas, tabs or blanks.
+
+    Beside semicolons a comma is a decimal one.
 
     Examples
     --------
-    >>> cells_of("0.5, 1.5;2 3")
-    ['0.5', '1.5', '2', '3']
+    >>> cells_of("0.5, 1.5, not tracking"), cells_of("0,5;1,5"), cells_of("2 3")
+    (['0.5', '1.5', 'not tracking'], ['0.5', '1.5'], ['2', '3'])
     """
-    return [cell for cell in re.split(r"[,;\s]+", line.strip()) if cell]
+    if ";" in line:
+        cells = line.replace(",", ".").split(";")
+    elif "," in line or "\t" in line.strip():
+        cells = line.split("," if "," in line else "\t")
+    else:
+        return line.split()
+    cells = [cell.strip().strip("\"'") for cell in cells]
+    while cells and not cells[-1]:
+        cells.pop()
+    return cells
 
 
 def read_table(path: StrPath, expected: str) -> Table:
@@ -118,44 +129,77 @@ def read_table(path: StrPath, expected: str) -> Table:
     """
     if sniff(text_head(path)) == "JSON":
         return _of_objects(_objects(path, expected), path, expected)
-    numbers, width = array("d"), 0
-    names: tuple[str, ...] = ()
-    comments: list[str] = []
+    rows = _Rows(expected)
     for number, line in read_lines(path, expected):
         text = line.strip()
-        if not text or text.startswith(_COMMENTS):
-            if not numbers and text:
-                comments.append(text.lstrip("#/% "))
-            continue
-        cells = cells_of(text)
-        if not width and not names and cells and parse_number(cells[0]) is None:
-            names = tuple(cells) if ";" not in text and "," not in text else _named(text)
-            continue
-        width = width or max(len(cells), 1)
-        numbers.extend(_numbers(cells, width, f"{path} line {number}", expected))
-        if len(numbers) > MAX_ROWS * width:
+        if text.startswith(_COMMENTS):
+            rows.note(text.lstrip("#/% "))
+        elif text:
+            rows.add(cells_of(text), f"{path} line {number}")
+        if len(rows.numbers) > MAX_ROWS * len(rows.used):
             raise InputError(str(path), expected=f"at most {MAX_ROWS} poses", got="more")
-    return _checked(numbers, width, names, tuple(comments), (path, expected))
+    return rows.table(path)
 
 
-def _named(header: str) -> tuple[str, ...]:
-    return tuple(name.strip().strip("\"'") for name in re.split(r"[,;]", header))
+class _Rows:
+    """Rows of text while they are read; columns of words are left out where columns have names."""
 
+    def __init__(self, expected: str) -> None:
+        self.expected = expected
+        self.numbers = array("d")
+        self.names: tuple[str, ...] = ()
+        self.comments: list[str] = []
+        self.width = 0
+        self.used: list[int] = []
 
-def _numbers(cells: list[str], width: int, what: str, expected: str) -> list[float]:
-    if len(cells) != width:
-        raise FormatError(
-            what, expected=f"{expected}, {width} numbers in each line", got=str(len(cells)),
-            fix="mend or remove that line",
-        )  # fmt: skip
-    values = [parse_number(cell) for cell in cells]
-    for value, cell in zip(values, cells, strict=True):
-        if value is None or not np.isfinite(value):
+    def note(self, comment: str) -> None:
+        """Keep a comment, if it stands before the first row."""
+        if not self.width and comment:
+            self.comments.append(comment)
+
+    def add(self, cells: list[str], what: str) -> None:
+        """Add a row, or take it for the header."""
+        if not self.width:
+            if not self.names and cells and parse_number(cells[0]) is None:
+                self.names = tuple(cells)
+                return
+            self._begin(cells)
+        if len(cells) != self.width:
             raise FormatError(
-                what, expected=f"{expected}, finite numbers", got=brief(cell),
-                fix="mend or remove that line",
+                what, expected=f"{self.expected}, {self.width} numbers in each line",
+                got=str(len(cells)), fix="mend or remove that line",
             )  # fmt: skip
-    return values  # type: ignore[return-value]
+        for column in self.used:
+            value = parse_number(cells[column])
+            if value is None or not np.isfinite(value):
+                raise FormatError(
+                    what, expected=f"{self.expected}, finite numbers", got=brief(cells[column]),
+                    fix="mend or remove that line",
+                )  # fmt: skip
+            self.numbers.append(value)
+
+    def _begin(self, cells: list[str]) -> None:
+        """Settle width, names and the columns that count, by the first row."""
+        self.width = max(len(cells), 1)
+        self.used = list(range(self.width))
+        told = tuple(cells_of(self.comments[-1])) if self.comments and not self.names else ()
+        known = named_parts(told).columns
+        if len(told) == self.width and {"time", "x", "y", "z"} <= set(known):
+            self.names = told
+        if len(self.names) == self.width:
+            self.used = [k for k, cell in enumerate(cells) if parse_number(cell) is not None]
+            self.names = tuple(self.names[k] for k in self.used)
+
+    def table(self, path: StrPath) -> Table:
+        """Return what was read.
+
+        Raises
+        ------
+        FormatError
+            When there is no row, or the header has names for other columns.
+        """
+        comments = tuple(self.comments)
+        return _checked(self.numbers, len(self.used), self.names, comments, (path, self.expected))
 
 
 def _checked(

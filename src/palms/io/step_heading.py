@@ -131,7 +131,7 @@ def _recognizes(path: Path) -> bool:
     cells = cells_of(first)
     if len(cells) == 3 and path.suffix.lower() == ".csv" and parse_number(cells[0]) is not None:
         return all(parse_number(cell) is not None for cell in cells)
-    return len(_named(tuple(re.split(r"[,;\t]", first)))) == len(_NAMES)
+    return len(_named(tuple(cells))) == len(_NAMES)
 
 
 FORMAT = Format(

@@ -52,7 +52,8 @@ def read_tum(
     up : {"auto", "z", "y", "-y"}
         Which axis stands upright. z makes (x, y) the ground, y makes it (x, -z) as with
         ARKit and ARCore, -y (x, z) as with cameras whose y points down. auto: the one of z
-        and y along which the walk moves least.
+        and y along which the walk moves least. (With a scan of the PALMS data set, whose
+        ground is (-z, -x), read the file as the format "poses" instead.)
     frame : {"auto", "scan", "own"}
         Whether it is of the scan's session; auto: as the file says, the scan's when it says
         nothing.
