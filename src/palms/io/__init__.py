@@ -41,7 +41,7 @@ from palms.io.registry import (
 )
 from palms.io.tracking import read_tracking, write_tracking
 from palms.io.truth import Truth, read_truth, write_truth
-from palms.io.tum import write_tum
+from palms.io.tum import read_tum, write_tum, write_walk_tum
 from palms.io.walk import RecordedWalk, WalkSource
 
 __all__ = [
@@ -70,6 +70,7 @@ __all__ = [
     "read_text",
     "read_tracking",
     "read_truth",
+    "read_tum",
     "read_walk",
     "write_case",
     "write_events",
@@ -82,4 +83,5 @@ __all__ = [
     "write_tracking",
     "write_truth",
     "write_tum",
+    "write_walk_tum",
 ]

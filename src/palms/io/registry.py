@@ -48,7 +48,15 @@ ODOMETRY = "palms.odometry"
 BUILT_IN: dict[str, tuple[str, ...]] = {
     FLOORPLANS: ("palms.io.plan_csv:FORMAT",),
     SCANS: ("palms.io.planes:FORMAT",),
-    ODOMETRY: ("palms.io.tracking:FORMAT",),
+    ODOMETRY: (
+        "palms.io.tracking:FORMAT",
+        "palms.io.tum:FORMAT",
+        "palms.io.poses:FORMAT",
+        "palms.io.android:FORMAT",
+        "palms.io.sensor_logger:FORMAT",
+        "palms.io.ronin:FORMAT",
+        "palms.io.step_heading:FORMAT",
+    ),
 }
 _WHAT = {FLOORPLANS: "floor plan", SCANS: "scan", ODOMETRY: "walk"}
 

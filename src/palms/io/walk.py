@@ -138,7 +138,7 @@ class RecordedWalk:
                 f"odometry of {self.path or 'the walk'}",
                 expected=f"one of {', '.join(self.sources)}",
                 got=repr(source),
-                fix="choose a source that it has",
+                fix="choose a source that it has, with --walk-source",
             )
         return found
 

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from palms.plot.stages import stages_figure as stages_figure
     from palms.plot.story import Story as Story
     from palms.plot.tracks import track_figure as track_figure
+    from palms.plot.walks import walk_figure as walk_figure
 
 _HOMES = {
     "Details": "report",
@@ -54,6 +55,7 @@ _HOMES = {
     "report_html": "report",
     "stages_figure": "stages",
     "track_figure": "tracks",
+    "walk_figure": "walks",
     "write_album": "album",
     "write_animation": "animation",
     "write_bytes": "output",
