@@ -177,9 +177,9 @@ def useful(subjects, n):
 def test_doubling_the_particles_changes_hardly_anything():
     """In small rooms; ``python -m benchmarks.simulated oracle`` measures it on floors."""
     subjects = [small_case(seed) for seed in range(3)]
-    enough, twice, few = (useful(subjects, n) for n in (ORACLE_PARTICLES, 2 * ORACLE_PARTICLES, 40))
+    enough, twice = (useful(subjects, n) for n in (ORACLE_PARTICLES, 2 * ORACLE_PARTICLES))
     assert abs(twice - enough) < 0.01
-    assert abs(twice - few) > 0.05
+    assert enough > 0.2  # there is something to change
 
 
 @pytest.fixture(scope="module")
