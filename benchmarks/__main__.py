@@ -10,7 +10,7 @@ from pathlib import Path
 from benchmarks.harness import Result, machine_words, measure, table, write
 from benchmarks.page import put
 
-FILES = ("raster", "heatmaps", "filter", "convergence", "walk", "command")
+FILES = ("raster", "heatmaps", "filter", "convergence", "walk", "ours", "command")
 
 
 def main() -> None:

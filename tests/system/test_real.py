@@ -78,13 +78,13 @@ def test_results_are_json(bench, tmp_path):
     content = json.loads(json.dumps(bench["run"].as_json(plan), allow_nan=False))
     assert content["schema"] == "palms-bench/1"
     assert content["versions"]["source"] == source_digest()
-    assert content["settings"]["methods"]["oracle"]["start"]["scale_sd"] == VioNoise().scale_sd
+    assert content["settings"]["methods"]["oracle"]["motion"]["scale_sd"] == VioNoise().scale_sd
 
 
 def test_the_oracle_knows_the_noise_that_is_added(bench, intel):
     settings = bench["run"].settings_of("oracle").with_particles(500)
     row = bench["cases"].run_trial(intel, "oracle", settings, seed=0)
-    assert (row["method"], settings.start.scale_sd) == ("oracle", VioNoise().scale_sd)
+    assert (row["method"], settings.motion.scale_sd) == ("oracle", VioNoise().scale_sd)
     assert 0 <= row["useful"] <= 1
 
 
