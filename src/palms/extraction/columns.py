@@ -149,9 +149,7 @@ def _with_neighbours(
     return together
 
 
-def height_of_bits_m(
-    layers: npt.NDArray[np.int64], settings: ExtractionSettings
-) -> FloatArray:
+def height_of_bits_m(layers: npt.NDArray[np.int64], settings: ExtractionSettings) -> FloatArray:
     """Height that layers reach over, 0 where it is too little, too thin or too high up.
 
     Examples

@@ -77,7 +77,7 @@ class DepthFrame:
         return self.pose[:3, 3]
 
     def ends_m(self, step: int = 1) -> FloatArray:
-        """Ends (h, w, 3) of the rays of every `step`-th pixel; NaN where nothing was measured."""
+        """Return where the rays of every `step`-th pixel end (h, w, 3); NaN: not measured."""
         depth = self.depth_m[::step, ::step]
         rows, columns = self.depth_m.shape
         known = np.where(depth >= MIN_DEPTH_M, depth, np.nan)

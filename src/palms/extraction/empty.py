@@ -54,8 +54,8 @@ def free_ranges(
     >>> level = [[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 1.4], [0, 0, 0, 1]]
     >>> frame = DepthFrame(np.full((64, 64), 2.0), [60, 60], [31.5, 31.5], level)
     >>> free = free_ranges([frame])
-    >>> round(float(free[90]), 1), bool(np.isnan(free[270]))
-    (1.9, True)
+    >>> round(float(free[90]), 2), bool(np.isnan(free[270]))
+    (1.96, True)
     """
     settings = settings or ExtractionSettings()
     here = check_finite(position_m, "the observation point", (2,))
@@ -74,7 +74,7 @@ def free_ranges(
 
 
 def _rays(frame: DepthFrame, settings: ExtractionSettings, step: int) -> FloatArray:
-    """Ends (N, 2) on the ground of the parts of rays that are surely free."""
+    """Return where the surely free parts of rays end (N, 2), on the ground."""
     ends = frame.ends_m(step).reshape(-1, 3)
     off = ends[np.isfinite(ends[:, 0])] - frame.camera_m
     length = np.linalg.norm(off, axis=1)

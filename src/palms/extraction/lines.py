@@ -144,7 +144,7 @@ def _run(along: FloatArray, near: Mask, reach: tuple[float, float], gap_m: float
     best = int(np.where(inside, overlap, -np.inf).argmax())
     if not inside[best]:
         return np.zeros_like(near)
-    return near & (along >= starts[best]) & (along <= ends[best])
+    return np.asarray(near & (along >= starts[best]) & (along <= ends[best]))
 
 
 def _fit(points: FloatArray, weight: FloatArray, like: _Line) -> _Line:

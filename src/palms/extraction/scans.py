@@ -80,7 +80,8 @@ def observation_point(walls_m: FloatArray, position_m: npt.ArrayLike | None = No
 
     Examples
     --------
-    >>> observation_point(np.array([[[-1.0, 2.0], [3.0, 2.0]], [[-1.0, -1.0], [3.0, -1.0]]])).tolist()
+    >>> walls = np.array([[[-1.0, 2.0], [3.0, 2.0]], [[-1.0, -1.0], [3.0, -1.0]]])
+    >>> observation_point(walls).tolist()
     [0.0, 0.0]
     """
     if position_m is not None:

@@ -47,7 +47,19 @@ ODOMETRY = "palms.odometry"
 
 BUILT_IN: dict[str, tuple[str, ...]] = {
     FLOORPLANS: ("palms.io.plan_csv:FORMAT",),
-    SCANS: ("palms.io.planes:FORMAT",),
+    SCANS: (
+        "palms.io.planes:FORMAT",
+        "palms.io.arkit_planes:FORMAT",
+        "palms.io.roomplan:FORMAT",
+        "palms.io.webxr_planes:FORMAT",
+        "palms.io.arcore_planes:FORMAT",
+        "palms.io.depth_folder:FORMAT",
+        "palms.io.ply:FORMAT",
+        "palms.io.npz_cloud:FORMAT",
+        "palms.io.stray_scanner:FORMAT",
+        "palms.io.las:FORMAT",
+        "palms.io.e57:FORMAT",
+    ),
     ODOMETRY: ("palms.io.tracking:FORMAT",),
 }
 _WHAT = {FLOORPLANS: "floor plan", SCANS: "scan", ODOMETRY: "walk"}

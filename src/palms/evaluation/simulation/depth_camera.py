@@ -134,18 +134,14 @@ def take_depth(
         marks.append(np.column_stack([met, places])[met >= 0])
         depth = _spoilt(depth, camera, rng)
         focal = camera.columns / 2 / np.tan(camera.view_rad / 2)
-        centre = ((camera.columns - 1) / 2, (camera.rows - 1) / 2)
-        frames.append(
-            DepthFrame(depth, np.full(2, focal), centre, _drifted(pose, bearing, camera))
-        )
+        centre = np.array([camera.columns - 1, camera.rows - 1]) / 2
+        frames.append(DepthFrame(depth, np.full(2, focal), centre, _drifted(pose, bearing, camera)))
     tall = heights >= CEILING_M
     seen = _stretches(surfaces, np.concatenate(marks), tall)
     return DepthSequence(tuple(frames), surfaces[tall], seen)
 
 
-def _surfaces(
-    world: World, here: FloatArray, camera: DepthCamera
-) -> tuple[FloatArray, FloatArray]:
+def _surfaces(world: World, here: FloatArray, camera: DepthCamera) -> tuple[FloatArray, FloatArray]:
     """Upright surfaces (N, 2, 2) nearby and their heights (N,)."""
     tall = world.seen_m[~world.is_glass]
     known = {tuple(row) for row in world.seen_m.reshape(-1, 4)}
@@ -157,9 +153,7 @@ def _surfaces(
     return surfaces[near], heights[near]
 
 
-def _poses(
-    camera: DepthCamera, rng: np.random.Generator
-) -> list[tuple[float, FloatArray]]:
+def _poses(camera: DepthCamera, rng: np.random.Generator) -> list[tuple[float, FloatArray]]:
     """Share of the turn and camera to ground, for each image."""
     first = rng.uniform(-np.pi, np.pi)
     poses = []

@@ -1,0 +1,93 @@
+"""Scans from point clouds in LAS and LAZ."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from palms.errors import FormatError, InputError
+from palms.geometry import FloatArray
+from palms.io.files import head
+from palms.io.point_clouds import cloud_scan, thinning
+from palms.io.registry import Format
+from palms.io.values import StrPath, brief
+from palms.scan import Scan
+
+__all__ = ["FORMAT", "read_las"]
+
+_CHUNK_POINTS = 250_000  # ours
+_MOST_POINTS = 500_000_000  # ours: of compressed files, whose size tells little
+_LEAST_BYTES = 20  # of a point, by the format
+
+
+def read_las(
+    path: StrPath, *, up: str = "z", position: object = None, floor: object = None
+) -> Scan:
+    """Read the walls of a point cloud in LAS or LAZ.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    up : str
+        Which axis points up: z, unless a phone's app wrote it otherwise.
+    position : (x, y) or str, optional
+        The observation point, (x, y) of the file.
+    floor : float, optional
+        Height of the floor; found when left out.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read or holds no wall.
+    """
+    import laspy
+
+    if Path(path).is_dir():
+        raise InputError(str(path), expected="a LAS file", got="a folder", fix="name the file")
+    try:
+        points = _points(laspy, path)
+    except InputError:
+        raise
+    except ImportError:
+        raise
+    except MemoryError:
+        raise
+    except BaseException as error:  # the decompressor panics on damaged files
+        if isinstance(error, KeyboardInterrupt | SystemExit):
+            raise
+        got = brief(str(error), 80)
+        raise FormatError(str(path), expected="a LAS or LAZ file", got=got) from None
+    return cloud_scan(points, path, up, position, floor)
+
+
+def _points(laspy: Any, path: StrPath) -> FloatArray:  # noqa: ANN401
+    with laspy.open(str(path)) as reader:
+        count, packed = int(reader.header.point_count), bool(reader.header.are_points_compressed)
+        room = _MOST_POINTS if packed else Path(path).stat().st_size // _LEAST_BYTES
+        if count > room:
+            raise FormatError(
+                str(path), expected=f"{count} points, as its header says", got=f"room for {room}"
+            )
+        step, parts, first = thinning(count), [np.empty((0, 3))], 0
+        for block in reader.chunk_iterator(_CHUNK_POINTS):
+            taken = [np.asarray(getattr(block, axis))[-first % step :: step] for axis in "xyz"]
+            parts.append(np.stack(taken, axis=1).astype(np.float64))
+            first += len(block)
+    return np.concatenate(parts)
+
+
+def _recognizes(path: Path) -> bool:
+    return not path.is_dir() and head(path, 4) == b"LASF"
+
+
+FORMAT = Format(
+    name="las",
+    description="point cloud in LAS or LAZ; walls are found among the points",
+    suffixes=(".las", ".laz"),
+    recognizes=_recognizes,
+    read=read_las,
+    extra="las",
+)
