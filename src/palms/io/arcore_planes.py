@@ -54,7 +54,7 @@ def _may_be_wall(plane: Plane) -> bool:
     """Whether a plane is upright by its own word, tracked, and not part of another."""
     return (
         word_of(plane.get("type")) not in _LYING
-        and plane.get("subsumedBy") in (None, "", False)
+        and word_of(plane.get("subsumedBy")) in ("", "false")
         and word_of(plane.get("trackingState")) not in _LOST
     )
 

@@ -35,7 +35,7 @@ class _Element(NamedTuple):
     """Name, number of rows, and names and types of the columns."""
 
     name: str
-    count: int
+    rows: int
     columns: list[tuple[str, str]]
 
 
@@ -132,11 +132,11 @@ def _header(start: bytes, path: StrPath) -> _Header:
             f"{path}: header", expected="vertices before lists", got="a list", fix="export it again"
         )
     bytes_before = sum(
-        each.count * sum(np.dtype(kind).itemsize for _, kind in each.columns) for each in before
+        each.rows * sum(np.dtype(kind).itemsize for _, kind in each.columns) for each in before
     )
-    rows_before = sum(each.count for each in before)
+    rows_before = sum(each.rows for each in before)
     return _Header(
-        order, newline + 1, vertex.count, tuple(vertex.columns), rows_before, bytes_before
+        order, newline + 1, vertex.rows, tuple(vertex.columns), rows_before, bytes_before
     )
 
 

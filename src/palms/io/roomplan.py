@@ -96,7 +96,7 @@ def read_roomplan(
 
 
 def _room(content: object, path: StrPath) -> dict[str, list[Any]]:
-    """Return lists of surfaces: of the room, or of all rooms of a structure that lists none itself."""
+    """Return lists of surfaces: of a room, or of all rooms of a structure."""
     if not isinstance(content, dict):
         raise FormatError(str(path), expected=_EXPECTED, got=brief(content))
     rooms = content.get("rooms")

@@ -116,7 +116,8 @@ def take_depth(
 
     Examples
     --------
-    >>> from palms.evaluation.simulation import WorldNoise, make_world
+    >>> from palms.evaluation.simulation.settings import WorldNoise
+    >>> from palms.evaluation.simulation.world import make_world
     >>> from palms.floorplan import FloorPlan
     >>> square = FloorPlan([[[0, 0], [4, 0]], [[4, 0], [4, 3]], [[4, 3], [0, 3]], [[0, 3], [0, 0]]])
     >>> rng = np.random.default_rng(0)
@@ -251,5 +252,6 @@ def _stretches(
         along = (surfaces[index, 1] - start) / length[index]
         places = np.sort((marks[marks[:, 0] == index, 1:] - start) @ along)
         for part in np.split(places, np.flatnonzero(np.diff(places) > gap_m) + 1):
-            found.append((start + part[[0, -1], None] * along)[None])
+            if part[-1] > part[0]:
+                found.append((start + part[[0, -1], None] * along)[None])
     return np.concatenate(found)
