@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from palms.errors import FormatError, InputError, PalmsWarning
-from palms.extraction import DepthFrame, scan_from_depth
+from palms.extraction import DepthFrame, ExtractionSettings, free_ranges, scan_from_depth
 from palms.geometry import FloatArray
 from palms.io.files import read_json
 from palms.io.plane_geometry import read_matrices
@@ -20,15 +20,22 @@ from palms.io.registry import Format
 from palms.io.values import StrPath, brief, check_array, locating
 from palms.scan import Scan
 
-__all__ = ["FORMAT", "evenly", "pixel_size", "read_depth_folder", "read_frames"]
+__all__ = ["FORMAT", "evenly", "pixel_size", "read_coverage", "read_depth_folder", "read_frames"]
 
 GROUND = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # (-z, -x) and y up
 MAX_FRAMES = 150  # ours: of more, every so manieth is read
+_COVERAGE_FRAMES = 60  # ours: a turn in steps of 6 degrees, read in about a second
 _FRAME_BYTES = 20_000_000  # ours: ten times the largest depth image we know as JSON
 _IMAGES = ((1920, 1440), (1280, 960), (640, 480), (3840, 2880), (1920, 1080), (1280, 720))
 
 
-def read_depth_folder(path: StrPath, *, position: object = None, floor: object = None) -> Scan:
+def read_depth_folder(
+    path: StrPath,
+    *,
+    position: object = None,
+    floor: object = None,
+    settings: ExtractionSettings | None = None,
+) -> Scan:
     """Read a folder of depth images: their walls, and the space that their rays prove empty.
 
     Parameters
@@ -40,6 +47,8 @@ def read_depth_folder(path: StrPath, *, position: object = None, floor: object =
         camera when that is far off.
     floor : float, optional
         Height of the floor; found when left out.
+    settings : ExtractionSettings, optional
+        What counts as a wall.
 
     Raises
     ------
@@ -52,6 +61,31 @@ def read_depth_folder(path: StrPath, *, position: object = None, floor: object =
             frames, parse_position(position), floor_m=parse_metres(floor, "floor")
         )
         return Scan(scan.walls_m, scan.position_m, scan.coverage_m, session=session_of(path))
+
+
+def read_coverage(path: StrPath, position_m: FloatArray) -> FloatArray:
+    """Read what the depth images of a folder prove empty, seen from one point.
+
+    Parameters
+    ----------
+    path : path
+        The folder with ``depths``, ``poses`` and ``intrinsics``.
+    position_m : ndarray (2,)
+        On the ground.
+
+    Returns
+    -------
+    ndarray (360,)
+        Metres that are free, by bearing; NaN where nobody looked.
+
+    Raises
+    ------
+    InputError
+        When an image cannot be read.
+    """
+    frames = read_frames(path, _COVERAGE_FRAMES)
+    with locating(path):
+        return free_ranges(frames, position_m)
 
 
 def evenly(count: int, most: int = MAX_FRAMES) -> list[int]:

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from palms.errors import FormatError, InputError
+from palms.extraction.settings import ExtractionSettings
 from palms.geometry import FloatArray
 from palms.io.files import head
-from palms.io.point_clouds import cloud_scan, parse_position, thinning
+from palms.io.point_clouds import CloudOptions, cloud_scan, parse_position, thinning
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief
 from palms.scan import Scan
@@ -21,7 +22,12 @@ _MOST_POINTS = 20_000_000  # ours: of one scan; the library reads a scan as a wh
 
 
 def read_e57(
-    path: StrPath, *, up: str = "z", position: object = None, floor: object = None
+    path: StrPath,
+    *,
+    up: str = "z",
+    position: object = None,
+    floor: object = None,
+    settings: ExtractionSettings | None = None,
 ) -> Scan:
     """Read the walls of all scans of an E57 file, in its common frame.
 
@@ -36,6 +42,8 @@ def read_e57(
         the scanner when left out.
     floor : float, optional
         Height of the floor; found when left out.
+    settings : ExtractionSettings, optional
+        What counts as a wall.
 
     Raises
     ------
@@ -56,7 +64,7 @@ def read_e57(
         raise FormatError(str(path), expected="an E57 file", got=got) from None
     if here is None and scanner is not None and up == "z":
         here = scanner[:2]
-    return cloud_scan(points, path, up, here, floor)
+    return cloud_scan(points, path, CloudOptions(up, here, floor, settings))
 
 
 def _points(file: Any, path: StrPath) -> tuple[FloatArray, FloatArray | None]:  # noqa: ANN401

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 
 from palms.errors import FormatError, InputError
+from palms.extraction.settings import ExtractionSettings
 from palms.geometry import FloatArray
 from palms.io.files import head
-from palms.io.point_clouds import cloud_scan, thinning
+from palms.io.point_clouds import CloudOptions, cloud_scan, thinning
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief
 from palms.scan import Scan
@@ -23,7 +24,12 @@ _LEAST_BYTES = 20  # of a point, by the format
 
 
 def read_las(
-    path: StrPath, *, up: str = "z", position: object = None, floor: object = None
+    path: StrPath,
+    *,
+    up: str = "z",
+    position: object = None,
+    floor: object = None,
+    settings: ExtractionSettings | None = None,
 ) -> Scan:
     """Read the walls of a point cloud in LAS or LAZ.
 
@@ -37,6 +43,8 @@ def read_las(
         The observation point, (x, y) of the file.
     floor : float, optional
         Height of the floor; found when left out.
+    settings : ExtractionSettings, optional
+        What counts as a wall.
 
     Raises
     ------
@@ -60,7 +68,7 @@ def read_las(
             raise
         got = brief(str(error), 80)
         raise FormatError(str(path), expected="a LAS or LAZ file", got=got) from None
-    return cloud_scan(points, path, up, position, floor)
+    return cloud_scan(points, path, CloudOptions(up, position, floor, settings))
 
 
 def _points(laspy: Any, path: StrPath) -> FloatArray:  # noqa: ANN401

@@ -12,8 +12,9 @@ import numpy as np
 import numpy.typing as npt
 
 from palms.errors import FormatError, InputError
+from palms.extraction.settings import ExtractionSettings
 from palms.io.files import head
-from palms.io.point_clouds import cloud_scan, thinning
+from palms.io.point_clouds import CloudOptions, cloud_scan, thinning
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief
 from palms.scan import Scan
@@ -34,6 +35,7 @@ def read_npz_cloud(
     unit: str = "auto",
     position: object = None,
     floor: object = None,
+    settings: ExtractionSettings | None = None,
 ) -> Scan:
     """Read the walls of a point cloud that numpy saved.
 
@@ -51,6 +53,8 @@ def read_npz_cloud(
         (x, y) of one with z up.
     floor : float, optional
         Height of the floor in metres; found when left out.
+    settings : ExtractionSettings, optional
+        What counts as a wall.
 
     Raises
     ------
@@ -70,7 +74,7 @@ def read_npz_cloud(
             str(path), expected="an npz file that can be read", got=reason, fix="save it again"
         ) from None
     scale = _UNITS.get(name.rpartition("_")[2], 1.0) if unit == "auto" else _UNITS[unit]
-    return cloud_scan(points * scale, path, up, position, floor)
+    return cloud_scan(points * scale, path, CloudOptions(up, position, floor, settings))
 
 
 def _points(path: StrPath) -> tuple[str, npt.NDArray[np.float64]]:

@@ -11,8 +11,9 @@ import numpy as np
 import numpy.typing as npt
 
 from palms.errors import FormatError, InputError
+from palms.extraction.settings import ExtractionSettings
 from palms.io.files import head
-from palms.io.point_clouds import cloud_scan, thinning
+from palms.io.point_clouds import CloudOptions, cloud_scan, thinning
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief
 from palms.scan import Scan
@@ -56,7 +57,12 @@ class _Header:
 
 
 def read_ply(
-    path: StrPath, *, up: str = "auto", position: object = None, floor: object = None
+    path: StrPath,
+    *,
+    up: str = "auto",
+    position: object = None,
+    floor: object = None,
+    settings: ExtractionSettings | None = None,
 ) -> Scan:
     """Read the walls of a point cloud, or of the vertices of a mesh.
 
@@ -71,13 +77,15 @@ def read_ply(
         with z up.
     floor : float, optional
         Height of the floor; found when left out.
+    settings : ExtractionSettings, optional
+        What counts as a wall.
 
     Raises
     ------
     InputError
         When it cannot be read or holds no wall.
     """
-    return cloud_scan(read_ply_points(path), path, up, position, floor)
+    return cloud_scan(read_ply_points(path), path, CloudOptions(up, position, floor, settings))
 
 
 def read_ply_points(path: StrPath) -> npt.NDArray[np.float32 | np.float64]:

@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from palms.errors import FormatError, InputError
 from palms.extraction.scans import scan_from_points
+from palms.extraction.settings import ExtractionSettings
 from palms.geometry import FloatArray
 from palms.io.planes import session_of
 from palms.io.values import StrPath, locating
 from palms.scan import Scan
 
-__all__ = ["MAX_POINTS", "UP_AXES", "cloud_scan", "parse_metres", "parse_position", "thinning"]
+__all__ = [
+    "MAX_POINTS",
+    "UP_AXES",
+    "CloudOptions",
+    "cloud_scan",
+    "parse_metres",
+    "parse_position",
+    "thinning",
+]
 
 MAX_POINTS = 3_000_000  # ours: of larger clouds every so manieth point is taken
 UP_AXES = {  # rows: what becomes x and y on the ground, and height; all are rotations
@@ -80,9 +89,27 @@ def parse_metres(value: object, what: str) -> float | None:
     return number
 
 
-def cloud_scan(
-    points_m: npt.NDArray[Any], path: StrPath, up: str, position: object, floor: object
-) -> Scan:
+class CloudOptions(NamedTuple):
+    """What a user may say of a point cloud.
+
+    Attributes
+    ----------
+    up : str
+        x, y, z, -x, -y, -z, or auto.
+    position : (x, y), str or None
+        The observation point on the ground.
+    floor : float, str or None
+        Height of the floor, along the axis that is up.
+    settings : ExtractionSettings or None
+    """
+
+    up: str = "auto"
+    position: object = None
+    floor: object = None
+    settings: ExtractionSettings | None = None
+
+
+def cloud_scan(points_m: npt.NDArray[Any], path: StrPath, options: CloudOptions) -> Scan:
     """Make a scan of a point cloud.
 
     Parameters
@@ -91,21 +118,17 @@ def cloud_scan(
         As the file has them; rows with NaN are left out.
     path : path
         The file, for messages.
-    up : str
-        x, y, z, -x, -y, -z, or auto.
-    position : (x, y), str or None
-        The observation point on the ground.
-    floor : float, str or None
-        Height of the floor, along the axis that is up.
+    options : CloudOptions
 
     Raises
     ------
     InputError
         When it is not clear which way is up, or there is no wall.
     """
+    up = options.up
     if up != "auto" and up not in UP_AXES:
         raise InputError("option up", expected=f"auto, {', '.join(UP_AXES)}", got=repr(up))
-    here, level = parse_position(position), parse_metres(floor, "floor")
+    here, level = parse_position(options.position), parse_metres(options.floor, "floor")
     points = np.asarray(points_m, dtype=np.float64)
     with np.errstate(all="ignore"):
         points = points[np.isfinite(points).all(axis=1)]
@@ -113,7 +136,7 @@ def cloud_scan(
         raise FormatError(str(path), expected="points", got="none", fix="export the cloud again")
     with locating(path):
         turned = points @ np.array(UP_AXES[_up(points) if up == "auto" else up], float).T
-        scan = scan_from_points(turned, here, floor_m=level)
+        scan = scan_from_points(turned, here, options.settings, floor_m=level)
         return Scan(scan.walls_m, scan.position_m, session=session_of(path))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from palms.errors import FormatError, InputError, PalmsWarning
-from palms.extraction import DepthFrame, scan_from_depth
+from palms.extraction import DepthFrame, ExtractionSettings, scan_from_depth
 from palms.geometry import FloatArray
 from palms.io.depth_folder import evenly, pixel_size
 from palms.io.files import read_text
@@ -29,7 +29,13 @@ _MAX_PIXELS = 4_000_000  # ours: eighty times a phone's depth image
 _SURE = 1  # ours: confidence 0 is left out
 
 
-def read_stray_scanner(path: StrPath, *, position: object = None, floor: object = None) -> Scan:
+def read_stray_scanner(
+    path: StrPath,
+    *,
+    position: object = None,
+    floor: object = None,
+    settings: ExtractionSettings | None = None,
+) -> Scan:
     """Read a folder of Stray Scanner: walls, and the space that depth rays prove empty.
 
     Parameters
@@ -40,6 +46,8 @@ def read_stray_scanner(path: StrPath, *, position: object = None, floor: object 
         The observation point on the ground, (x, -z) of the session.
     floor : float, optional
         Height of the floor; found when left out.
+    settings : ExtractionSettings, optional
+        What counts as a wall.
 
     Raises
     ------
