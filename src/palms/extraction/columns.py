@@ -14,7 +14,7 @@ __all__ = ["LAYER_M", "Columns", "find_columns", "floor_height_m", "height_of_bi
 
 LAYER_M = 0.1  # ours: heights are told apart by this much
 _BIN_M = 0.05  # ours: of the histogram of heights
-_LEVEL, _LEVEL_SHARE = 3.0, 0.02  # ours: a floor has so many times the usual, and of all
+_LEVEL = 2.0  # ours: a floor has so many times the points of a usual height
 _BELOW_SHARE = 0.02  # ours: at most so much lies below a floor: reflections
 _STRAY_SHARE = 0.001  # ours: so much may lie anywhere
 _CAMERA_M, _BELOW_CAMERA_M = 1.4, (0.6, 2.1)  # ours: usual and possible height of a hand
@@ -75,19 +75,20 @@ def floor_height_m(height_m: FloatArray, camera_m: float | None = None) -> float
     >>> floor_height_m(np.concatenate([np.full(500, -1.4), np.linspace(-1.4, 1.0, 300)]))
     -1.4
     """
-    lowest = float(np.quantile(height_m, _STRAY_SHARE))
-    low, high = lowest, float(np.quantile(height_m, 1 - _STRAY_SHARE))
+    lowest, highest = (float(v) for v in np.quantile(height_m, [_STRAY_SHARE, 1 - _STRAY_SHARE]))
+    usual = len(height_m) * _BIN_M / max(highest - lowest, _BIN_M)
+    low, high, guess = lowest, highest, lowest
     if camera_m is not None:
         low, high = camera_m - _BELOW_CAMERA_M[1], camera_m - _BELOW_CAMERA_M[0]
-        lowest = camera_m - _CAMERA_M
+        guess = camera_m - _CAMERA_M
     inside = height_m[(height_m >= low - _BIN_M) & (height_m <= high + _BIN_M)]
     counts = np.bincount(((inside - low) / _BIN_M + 1).astype(np.int64), minlength=4)
     below = np.cumsum(counts) - counts + np.sum(height_m < low - _BIN_M)
-    level = (counts >= _LEVEL * np.median(counts)) & (counts >= _LEVEL_SHARE * len(height_m))
+    level = counts >= _LEVEL * usual
     if camera_m is None:
         level &= below - np.roll(counts, 1) <= _BELOW_SHARE * len(height_m)
     if not level.any():
-        return lowest
+        return guess
     peak = int(np.where(level, counts, -1).argmax())
     near = np.abs(height_m - (low + (peak - 0.5) * _BIN_M)) <= _BIN_M
     return float(np.median(height_m[near]))

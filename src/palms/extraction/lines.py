@@ -14,7 +14,7 @@ from palms.geometry import FloatArray
 __all__ = ["Wall", "find_lines", "join_corners"]
 
 _SEED_M = 0.25  # ours: columns within this tell the direction of a seed
-_SEED_LINEAR = 0.7  # ours: how much longer than wide they must lie
+_SEED_LINEAR = 0.4  # ours: how much longer than wide they must lie
 _ROUNDS = 30  # ours: growing settles within about 10
 _SETTLING = 3  # ours: times that points are chosen anew by the line fitted to them
 _PIECE_M = 0.05  # ours: pieces that must lie on one straight line

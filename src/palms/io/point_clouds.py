@@ -21,6 +21,7 @@ __all__ = [
     "UP_AXES",
     "CloudOptions",
     "cloud_scan",
+    "find_up",
     "parse_metres",
     "parse_position",
     "thinning",
@@ -135,12 +136,12 @@ def cloud_scan(points_m: npt.NDArray[Any], path: StrPath, options: CloudOptions)
     if not len(points):
         raise FormatError(str(path), expected="points", got="none", fix="export the cloud again")
     with locating(path):
-        turned = points @ np.array(UP_AXES[_up(points) if up == "auto" else up], float).T
+        turned = points @ np.array(UP_AXES[find_up(points) if up == "auto" else up], float).T
         scan = scan_from_points(turned, here, options.settings, floor_m=level)
         return Scan(scan.walls_m, scan.position_m, session=session_of(path))
 
 
-def _up(points: FloatArray) -> str:
+def find_up(points: FloatArray) -> str:
     """Axis along which most points lie on two levels: floor and ceiling."""
     shares = []
     for k in range(3):
