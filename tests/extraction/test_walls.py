@@ -44,7 +44,9 @@ def test_clutter_is_no_wall_and_hides_none():
     person = np.column_stack([rng.normal([0.5, 0.5], 0.12, (900, 2)), rng.random(900) * 1.8])
     table = slab([-1.5, -1.2], [-0.3, -0.4], 0.74)
     legs = np.concatenate([wall((x, -1.2), (x + 0.04, -1.2), high=0.74) for x in (-1.5, -0.3)])
-    desk = np.concatenate([wall((1.2, 1.4), (2.2, 1.4), high=0.75), slab([1.2, 1.4], [2.2, 2], 0.75)])
+    desk = np.concatenate(
+        [wall((1.2, 1.4), (2.2, 1.4), high=0.75), slab([1.2, 1.4], [2.2, 2], 0.75)]
+    )
     chair = wall((0.2, -0.6), (0.65, -0.6), low=0.4, high=0.95)
     strays = np.column_stack([rng.uniform(-2, 2, (400, 2)), rng.random(400) * 2.5])
     found = walls_from_points(np.concatenate([room(), person, table, legs, desk, chair, strays]))
