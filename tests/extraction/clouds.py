@@ -5,7 +5,7 @@ import numpy as np
 from palms.geometry import rotate
 
 
-def wall(a, b, low=0.0, high=2.5, per_m2=400, noise=0.004, seed=0):
+def wall(a, b, *, low=0.0, high=2.5, per_m2=400, noise=0.004, seed=0):
     """Points (P, 3) on an upright rectangle between two points of the ground."""
     rng = np.random.default_rng(seed)
     a, b = np.asarray(a, float), np.asarray(b, float)

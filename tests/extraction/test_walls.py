@@ -1,3 +1,5 @@
+import itertools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -60,7 +62,9 @@ def test_clutter_is_no_wall_and_hides_none():
     ids=["whole", "behind a desk", "counter", "lintel", "duct"],
 )
 def test_what_is_high_enough_and_comes_down_is_a_wall(low, high, count):
-    points = np.concatenate([wall((1, -2), (1, 2), low, high), slab([-2, -2], [2, 2], 0.0)])
+    points = np.concatenate(
+        [wall((1, -2), (1, 2), low=low, high=high), slab([-2, -2], [2, 2], 0.0)]
+    )
     assert len(walls_from_points(points)) == count
 
 
@@ -99,7 +103,7 @@ def test_short_walls_are_left_out_as_asked():
 def test_a_curved_wall_becomes_chords():
     angle = np.linspace(0, np.pi / 2, 200)
     arc = 4 * np.column_stack([np.cos(angle), np.sin(angle)])
-    parts = [wall(a, b, seed=k) for k, (a, b) in enumerate(zip(arc[:-1], arc[1:], strict=True))]
+    parts = [wall(a, b, seed=k) for k, (a, b) in enumerate(itertools.pairwise(arc))]
     found = ends(walls_from_points(np.concatenate(parts)))
     assert len(found) >= 3
     assert lengths(found).sum() > 5.0

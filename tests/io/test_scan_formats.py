@@ -217,6 +217,18 @@ def test_arkit_planes_that_cannot_be(change, words, put, says):
 # ---------------------------------------------------------------- RoomPlan
 
 
+IDENTITY = np.eye(4).ravel().tolist()
+
+
+def measured(value, symbol):
+    """An angle as Swift encodes it."""
+    return {"value": value, "unit": {"symbol": symbol}}
+
+
+def arc(start, end):
+    return {"radius": 3.0, "startAngle": start, "endAngle": end, "center": [0, 0]}
+
+
 def test_roomplan_keeps_doors_when_asked(put):
     cut, whole = read_scan(DATA / "roomplan.json"), read_scan(DATA / "roomplan.json", doors="keep")
     room = content("roomplan.json")
@@ -248,14 +260,13 @@ def test_roomplan_confidence(put):
 
 @pytest.mark.parametrize(
     ("start", "end"),
-    [(0.0, np.pi / 2), ({"value": 0, "unit": {"symbol": "°"}}, {"value": 90, "unit": {"symbol": "°"}}),
-     (0, 90), ({"value": 0, "unit": {"symbol": "rad"}}, {"value": np.pi / 2, "unit": {}})],
+    [(0.0, np.pi / 2), (measured(0, "°"), measured(90, "°")), (0, 90),
+     (measured(0, "rad"), measured(np.pi / 2, "rad"))],
     ids=["radians", "degrees", "plain degrees", "measurements"],
 )  # fmt: skip
 def test_roomplan_curved_walls_become_chords(start, end, put):
     wall = content("roomplan.json")["walls"][0]
-    wall |= {"transform": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1],
-             "curve": {"radius": 3.0, "startAngle": start, "endAngle": end, "center": [0, 0]}}  # fmt: skip
+    wall |= {"transform": IDENTITY, "curve": arc(start, end)}
     scan = read_scan(put("a.json", {"walls": [wall]}), position=(0, 0))
     assert len(scan.walls_m) == 9
     np.testing.assert_allclose(np.linalg.norm(scan.walls_m, axis=-1), 3.0, atol=1e-9)
@@ -264,10 +275,8 @@ def test_roomplan_curved_walls_become_chords(start, end, put):
 
 def test_roomplan_doors_cut_curved_walls(put):
     wall = content("roomplan.json")["walls"][0]
-    flat = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
-    wall |= {"transform": flat, "identifier": "round",
-             "curve": {"radius": 3.0, "startAngle": 0, "endAngle": np.pi, "center": [0, 0]}}  # fmt: skip
-    at = flat[:12] + [0, 0, 3, 1]
+    wall |= {"transform": IDENTITY, "identifier": "round", "curve": arc(0, np.pi)}
+    at = IDENTITY[:12] + [0, 0, 3, 1]
     door = wall | {"transform": at, "curve": None, "dimensions": [1.0, 2, 0], "identifier": "door",
                    "parentIdentifier": "round", "category": {"door": {}}}  # fmt: skip
     scan = read_scan(put("a.json", {"walls": [wall], "doors": [door]}), position=(0, 0))
@@ -361,7 +370,8 @@ def test_arcore_numbers_and_raw_poses(put):
 
 @pytest.mark.parametrize(
     "change",
-    [{"type": "HORIZONTAL_UPWARD_FACING"}, {"type": 0}, {"trackingState": "STOPPED"}, {"subsumedBy": 3}],
+    [{"type": "HORIZONTAL_UPWARD_FACING"}, {"type": 0}, {"trackingState": "STOPPED"},
+     {"subsumedBy": 3}],
 )  # fmt: skip
 def test_arcore_planes_that_do_not_count(change, put):
     plane = content("arcore-planes.json")["planes"][0] | change
@@ -376,7 +386,7 @@ def test_arcore_planes_that_do_not_count(change, put):
         ("webxr-planes", {"polygon": None}, "points x, y, z"),
         ("webxr-planes", {"pose": {"position": {"x": 1}}}, "finite number"),
         ("webxr-planes", {"pose": None}, "4x4"),
-        ("arcore-planes", {"centerPose": {"translation": [0, 0, 0], "rotation": [0, 0, 0, 0]}}, "unit"),
+        ("arcore-planes", {"centerPose": [0, 0, 0, 0, 1, 2, 3]}, "unit"),
         ("arcore-planes", {"extentX": -2}, "0 m or more"),
         ("arcore-planes", {"polygon": ["a", "b"]}, "finite number"),
     ],

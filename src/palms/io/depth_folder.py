@@ -224,7 +224,7 @@ def _recognizes(path: Path) -> bool:
 FORMAT = Format(
     name="depth-folder",
     description="the PALMS data set's depth images: a folder with depths, poses, intrinsics",
-    suffixes=(".json",),
+    suffixes=(),
     recognizes=_recognizes,
     read=read_depth_folder,
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 from pathlib import Path
 from typing import Any
 
@@ -56,12 +57,9 @@ def read_las(
     if Path(path).is_dir():
         raise InputError(str(path), expected="a LAS file", got="a folder", fix="name the file")
     try:
+        _check_header(path)
         points = _points(laspy, path)
-    except InputError:
-        raise
-    except ImportError:
-        raise
-    except MemoryError:
+    except (InputError, ImportError, MemoryError):
         raise
     except BaseException as error:  # the decompressor panics on damaged files
         if isinstance(error, KeyboardInterrupt | SystemExit):
@@ -69,6 +67,30 @@ def read_las(
         got = brief(str(error), 80)
         raise FormatError(str(path), expected="a LAS or LAZ file", got=got) from None
     return cloud_scan(points, path, CloudOptions(up, position, floor, settings))
+
+
+def _check_header(path: StrPath) -> None:
+    """Make sure that a file has room for what its header claims, before it is believed.
+
+    Offsets by the specification, LAS 1.2 to 1.4.
+    """
+    start, size = head(path, 375), Path(path).stat().st_size
+    if len(start) < 227:
+        raise FormatError(str(path), expected="a LAS or LAZ file", got="a header cut off")
+    header, data, records = struct.unpack_from("<HII", start, 94)
+    room = (min(data, size) - header) // 54
+    if not 227 <= header <= data <= size or records > room:
+        raise FormatError(
+            str(path), expected=f"at most {max(room, 0)} records before its points",
+            got=f"{records}", fix="the file may be cut off or damaged; export it again",
+        )  # fmt: skip
+    if start[25] >= 4 and len(start) >= 255:
+        (extended,) = struct.unpack_from("<I", start, 243)
+        if extended > size // 60:
+            raise FormatError(
+                str(path), expected=f"at most {size // 60} records after its points",
+                got=f"{extended}", fix="export it again",
+            )  # fmt: skip
 
 
 def _points(laspy: Any, path: StrPath) -> FloatArray:  # noqa: ANN401

@@ -167,7 +167,7 @@ def _has_suffix(reader: Any, path: Path) -> bool:  # noqa: ANN401
 
 
 def _listed(readers: Sequence[Any]) -> str:
-    return ", ".join(f"{r.name} ({' '.join(r.suffixes)})" for r in readers)
+    return ", ".join(f"{r.name} ({' '.join(r.suffixes) or 'a folder'})" for r in readers)
 
 
 def choose_format(group: str, path: StrPath, name: str | None = None) -> Any:  # noqa: ANN401

@@ -182,7 +182,7 @@ def _recognizes(path: Path) -> bool:
 FORMAT = Format(
     name="stray-scanner",
     description="a folder of the app Stray Scanner: depth, odometry.csv, camera_matrix.csv",
-    suffixes=(".csv", ".png"),
+    suffixes=(),
     recognizes=_recognizes,
     read=read_stray_scanner,
 )
