@@ -22,6 +22,8 @@ __all__ = ["FORMAT", "read_las"]
 _CHUNK_POINTS = 250_000  # ours
 _MOST_POINTS = 500_000_000  # ours: of compressed files, whose size tells little
 _LEAST_BYTES = 20  # of a point, by the format
+_PACKED = 0x80  # of the point format's number: compressed
+_LEAST_CHUNK = 8  # ours: bytes of a compressed chunk of points
 
 
 def read_las(
@@ -91,6 +93,28 @@ def _check_header(path: StrPath) -> None:
                 str(path), expected=f"at most {size // 60} records after its points",
                 got=f"{extended}", fix="export it again",
             )  # fmt: skip
+
+    if start[104] & _PACKED:
+        _check_chunks(path, data, size)
+
+
+def _check_chunks(path: StrPath, data: int, size: int) -> None:
+    """Make sure that the table of compressed chunks is no longer than the file."""
+    with open(path, "rb") as file:
+        file.seek(data)
+        (at,) = struct.unpack("<q", file.read(8).ljust(8, b"\xff"))
+        if at == -1:  # written to a stream: the table's place stands at the end
+            file.seek(max(size - 8, 0))
+            (at,) = struct.unpack("<q", file.read(8).ljust(8, b"\xff"))
+        if data < at <= size - 8:
+            file.seek(at)
+            _, chunks = struct.unpack("<II", file.read(8))
+            if chunks <= (size - data) // _LEAST_CHUNK:
+                return
+    raise FormatError(
+        str(path), expected="a table of its chunks", got="none that fits the file",
+        fix="the file may be cut off; export it again",
+    )  # fmt: skip
 
 
 def _points(laspy: Any, path: StrPath) -> FloatArray:  # noqa: ANN401
