@@ -16,7 +16,7 @@ __all__ = ["Wall", "find_lines", "join_corners"]
 _SEED_M = 0.25  # ours: columns within this tell the direction of a seed
 _SEED_LINEAR = 0.4  # ours: how much longer than wide they must lie
 _ROUNDS = 30  # ours: growing settles within about 10
-_SETTLING = 3  # ours: times that points are chosen anew by the line fitted to them
+_SETTLING = 2  # ours: times that points are chosen anew by the line fitted to them
 _PIECE_M = 0.05  # ours: pieces that must lie on one straight line
 _STRETCH_M = 0.1  # ours: pieces of a wall that are looked at one by one
 _PAIR_SPACING, _MAX_PAIRS = 4, 2000  # ours: pairs of pieces that lines are tried through
@@ -160,25 +160,46 @@ def _fit(points: FloatArray, weight: FloatArray, like: _Line) -> _Line:
     return _Line(foot, along if along @ like.along >= 0 else -along)
 
 
-def _measured(
+class _Settled(NamedTuple):
+    """A line fitted to points (P, 2), their spread across it, and the column of each."""
+
+    line: _Line
+    spread_m: float
+    points: FloatArray
+    column: npt.NDArray[np.int64]
+
+
+def _settle(
     line: _Line, members: Mask, columns: Columns, free: Mask, settings: ExtractionSettings
-) -> Wall | None:
-    """Fit the points themselves, and cut the line to where it is a wall's height."""
-    if members.sum() < 3:
-        return None
-    reach, scale = columns.centre_m[members], _MIN_SCALE_M
-    for _ in range(_SETTLING):
+) -> _Settled | None:
+    """Fit the points of those pieces of a line that are straight, and choose them anew by it."""
+    settled, reach = None, columns.centre_m[members]
+    for first in (True, *[False] * _SETTLING):
         along, across = line.places(columns.centre_m)
         ends = line.places(reach)[0]
         near = free & (np.abs(across) <= settings.off_m)
         near &= (along >= ends.min()) & (along <= ends.max())
         mine = near[columns.column]
-        if mine.sum() < 3:
-            return None
         points, of_column = columns.points_m[mine], columns.column[mine]
-        straight = _straight(line, points, settings.straight_m)
+        if len(points) < 3:
+            return None
+        straight = _straight(line, points, settings.straight_m, first)
+        if straight.sum() < 3:
+            return None
         points, of_column = points[straight], of_column[straight]
-        line, scale = _robust(line, points)
+        line, spread = _robust(line, points)
+        settled = _Settled(line, spread, points, of_column)
+    return settled
+
+
+def _measured(
+    line: _Line, members: Mask, columns: Columns, free: Mask, settings: ExtractionSettings
+) -> Wall | None:
+    """Fit the points themselves, and cut the line to where it is a wall's height."""
+    settled = _settle(line, members, columns, free, settings) if members.sum() >= 3 else None
+    if settled is None:
+        return None
+    line, scale, points, of_column = settled
     along, across = line.places(points)
     kept = np.abs(across) <= max(3 * scale, 0.01)
     stretch = _solid(along[kept], columns.layers[of_column[kept]], settings)
@@ -202,8 +223,8 @@ def _stands_out(wall: Wall, columns: Columns, settings: ExtractionSettings) -> b
     return bool(min(left, right) <= settings.clear_share * itself)
 
 
-def _straight(line: _Line, points: FloatArray, off_m: float) -> Mask:
-    """Points of those pieces of a line that agree on one straight line, as many as can be.
+def _straight(line: _Line, points: FloatArray, off_m: float, search: bool) -> Mask:
+    """Points of those pieces that lie on a line; of the best line nearby, when it is searched.
 
     Noise hides a door that is set back by a few centimetres from each point, but not from
     the median of a piece.
@@ -216,14 +237,23 @@ def _straight(line: _Line, points: FloatArray, off_m: float) -> Mask:
     middle = across[order][(np.cumsum(counts) - counts + counts // 2)[some]]
     if len(some) < 3:
         return np.ones(len(points), bool)
-    i, j = np.triu_indices(len(some), k=max(1, len(some) // _PAIR_SPACING))
+    off = middle
+    if search:
+        trust = np.sqrt(np.minimum(counts[some], np.median(counts[some])))
+        off = _best_line(some, middle, trust, off_m)
+    return np.isin(piece, some[np.abs(off) < off_m])
+
+
+def _best_line(
+    place: npt.NDArray[np.int64], middle: FloatArray, trust: FloatArray, off_m: float
+) -> FloatArray:
+    """Distances (K,) of pieces from the line through two of them that most lie near to."""
+    i, j = np.triu_indices(len(place), k=max(1, len(place) // _PAIR_SPACING))
     i, j = i[:: len(i) // _MAX_PAIRS + 1], j[:: len(j) // _MAX_PAIRS + 1]
-    slope = (middle[j] - middle[i]) / (some[j] - some[i])
-    off = middle - middle[i, None] - slope[:, None] * (some - some[i, None])
-    agreement = np.clip(1 - (off / off_m) ** 2, 0.0, None)
-    trust = np.sqrt(np.minimum(counts[some], np.median(counts[some])))
-    best = int((agreement @ trust).argmax())
-    return np.isin(piece, some[agreement[best] > 0])
+    slope = (middle[j] - middle[i]) / (place[j] - place[i])
+    off = middle - middle[i, None] - slope[:, None] * (place - place[i, None])
+    agreement = np.clip(1 - (off / off_m) ** 2, 0.0, None) @ trust
+    return np.asarray(off[int(agreement.argmax())])
 
 
 def _robust(line: _Line, points: FloatArray) -> tuple[_Line, float]:
