@@ -30,7 +30,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         epilog=EXAMPLE, formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
     add = parser.add_argument
-    add("--places", type=int, default=40, help="in each kind of building; seeds 0 to N-1")
+    add("--places", type=int, default=25, help="in each kind of building; seeds 0 to N-1")
     add("--results", type=Path, help="put the tables into this page")
     add("--png", type=Path, help="draw the real clouds")
     options = parser.parse_args(arguments)

@@ -20,6 +20,8 @@ _SETTLING = 2  # ours: times that points are chosen anew by the line fitted to t
 _PIECE_M = 0.05  # ours: pieces that must lie on one straight line
 _STRETCH_M = 0.1  # ours: pieces of a wall that are looked at one by one
 _PAIR_SPACING, _MAX_PAIRS = 4, 2000  # ours: pairs of pieces that lines are tried through
+_SIDE = 4  # ours: pieces on either side of a step
+_STEP_M, _STEP_GAIN = 0.02, 0.4  # ours: two lines with such a step fit so much better
 _SOLID_SHARE = 0.5  # ours: so much of a wall's length is filled over its height
 _ENOUGH = 10_000  # ours: points that fix a line to far less than a millimetre
 _TUKEY = 4.685  # of the biweight, 95 % efficient for normal errors
@@ -88,7 +90,9 @@ def find_lines(columns: Columns, settings: ExtractionSettings) -> list[Wall]:
             continue
         free &= ~_consumed(wall, columns.centre_m, settings)
         free[seed] = False
-        if not _beside(wall, walls, settings):
+        beside = [other for other in walls if _is_beside(wall, other, settings)]
+        if all(wall.points > other.points for other in beside):
+            walls = [other for other in walls if not any(other is one for one in beside)]
             walls.append(wall)
     return walls
 
@@ -237,11 +241,12 @@ def _straight(line: _Line, points: FloatArray, off_m: float, search: bool) -> Ma
     middle = across[order][(np.cumsum(counts) - counts + counts // 2)[some]]
     if len(some) < 3:
         return np.ones(len(points), bool)
-    off = middle
-    if search:
-        trust = np.sqrt(np.minimum(counts[some], np.median(counts[some])))
-        off = _best_line(some, middle, trust, off_m)
-    return np.isin(piece, some[np.abs(off) < off_m])
+    if not search:
+        return np.isin(piece, some[np.abs(middle) < off_m])
+    trust = np.sqrt(np.minimum(counts[some], np.median(counts[some])))
+    chosen = np.abs(_best_line(some, middle, trust, off_m)) < off_m
+    chosen[chosen] = _larger_side(some[chosen], middle[chosen], trust[chosen])
+    return np.isin(piece, some[chosen])
 
 
 def _best_line(
@@ -254,6 +259,35 @@ def _best_line(
     off = middle - middle[i, None] - slope[:, None] * (place - place[i, None])
     agreement = np.clip(1 - (off / off_m) ** 2, 0.0, None) @ trust
     return np.asarray(off[int(agreement.argmax())])
+
+
+def _larger_side(place: npt.NDArray[np.int64], middle: FloatArray, trust: FloatArray) -> Mask:
+    """Pieces (K,) on the larger side of a step: a wall and a door that one line crosses."""
+    whole, _ = _residue(place, middle, trust)
+    best, at = np.inf, 0
+    for split in range(_SIDE, len(place) - _SIDE + 1):
+        left, a = _residue(place[:split], middle[:split], trust[:split])
+        right, b = _residue(place[split:], middle[split:], trust[split:])
+        between = 0.5 * (place[split - 1] + place[split])
+        step = abs(np.polyval(a, between) - np.polyval(b, between))
+        if step >= _STEP_M and left + right < best:
+            best, at = left + right, split
+    if best > _STEP_GAIN * whole:
+        return np.ones(len(place), bool)
+    first = np.arange(len(place)) < at
+    return first if 2 * at >= len(place) else ~first
+
+
+def _residue(
+    place: npt.NDArray[np.int64], middle: FloatArray, trust: FloatArray
+) -> tuple[float, FloatArray]:
+    """Weighted sum of squares about the best line, and that line."""
+    x = place - place.mean()
+    mean = trust @ middle / trust.sum()
+    centre = trust @ x / trust.sum()
+    slope = (trust * (x - centre)) @ (middle - mean) / max(trust @ (x - centre) ** 2, 1e-9)
+    off = middle - mean - slope * (x - centre)
+    return float(trust @ off**2), np.array([slope, mean - slope * (centre + place.mean())])
 
 
 def _robust(line: _Line, points: FloatArray) -> tuple[_Line, float]:
@@ -304,15 +338,12 @@ def _on(wall: Wall, points: FloatArray) -> tuple[FloatArray, FloatArray, float]:
     return along, across, length
 
 
-def _beside(wall: Wall, walls: list[Wall], settings: ExtractionSettings) -> bool:
-    """Whether a wall runs right beside one found before: the same, seen with an error."""
+def _is_beside(wall: Wall, other: Wall, settings: ExtractionSettings) -> bool:
+    """Whether a wall runs right beside another: the same, seen with an error."""
     places = wall.ends_m[0] + np.linspace(0, 1, 21)[:, None] * (wall.ends_m[1] - wall.ends_m[0])
-    for other in walls:
-        along, across, length = _on(other, places)
-        same = (along >= -0.02) & (along <= length + 0.02) & (np.abs(across) <= settings.apart_m)
-        if same.mean() > 0.5:
-            return True
-    return False
+    along, across, length = _on(other, places)
+    same = (along >= -0.02) & (along <= length + 0.02) & (np.abs(across) <= settings.apart_m)
+    return bool(same.mean() > 0.5)
 
 
 def join_corners(walls: list[Wall], corner_m: float) -> list[Wall]:
