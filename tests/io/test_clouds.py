@@ -3,6 +3,7 @@
 import io
 import json
 import shutil
+import sys
 import tracemalloc
 import zipfile
 from pathlib import Path
@@ -163,6 +164,51 @@ def test_a_zip_bomb_stays_small(put):
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 1e9
+
+
+@pytest.mark.parametrize(
+    ("name", "package", "extra"), [("cloud.laz", "laspy", "las"), ("cloud.e57", "pye57", "e57")]
+)
+def test_a_missing_extra_is_named(name, package, extra, monkeypatch, says):
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(InputError) as caught:
+        read_scan(DATA / name)
+    says(caught.value, package, f"palms-localization[{extra}]")
+
+
+def test_laz_without_its_decompressor_names_the_extra(monkeypatch, says):
+    import laspy
+
+    monkeypatch.setattr(laspy.LazBackend, "detect_available", tuple)
+    with pytest.raises(InputError) as caught:
+        read_scan(DATA / "cloud.laz")
+    says(caught.value, "lazrs", "palms-localization[las]")
+
+
+def las(**fields):
+    """The tests' LAZ file with numbers of its header changed: offset, format, value."""
+    import struct
+
+    content = bytearray((DATA / "cloud.laz").read_bytes())
+    for offset, kind, value in fields.values():
+        struct.pack_into(kind, content, offset, value)
+    return bytes(content)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (las(points=(107, "<I", 4_000_000_000)), "4000000000 points|that fits|LAS or LAZ"),
+        (las(records=(100, "<I", 4_000_000_000)), "records before its points"),
+        (las(start=(96, "<I", 4_000_000_000)), "records before its points"),
+        (las()[:100], "cut off"),
+        (las()[:3000], "chunks"),
+    ],
+)
+def test_las_that_claims_too_much(content, words, put, says):
+    with pytest.raises(InputError, match=words) as caught:
+        read_scan(put("a.laz", content), format="las")
+    says(caught.value, "a.laz")
 
 
 def test_which_way_is_up(put, says):

@@ -120,6 +120,8 @@ def _check_chunks(path: StrPath, data: int, size: int) -> None:
 def _points(laspy: Any, path: StrPath) -> FloatArray:  # noqa: ANN401
     with laspy.open(str(path)) as reader:
         count, packed = int(reader.header.point_count), bool(reader.header.are_points_compressed)
+        if packed and not laspy.LazBackend.detect_available():
+            raise ImportError("LAZ needs lazrs", name="lazrs")
         room = _MOST_POINTS if packed else Path(path).stat().st_size // _LEAST_BYTES
         if count > room:
             raise FormatError(
