@@ -52,7 +52,7 @@ def show(scan: ScanPath, png: Png = None) -> None:
     typer.echo(f"Picture: {target}")
 
 
-@app.command(epilog="Example: palms scan convert room.json trajectories/home/walk-1/Session_1")
+@app.command(epilog="Example: palms scan convert room.json trajectories/house/walk-1/Session_1")
 def convert(scan: ScanPath, out: OutPath) -> None:
     """Write a scan as planes, as the PALMS data set has them."""
     from palms.io import read_scan, write_scan_json
