@@ -11,8 +11,9 @@ from palms.errors import InputError
 from palms.extraction.settings import ExtractionSettings
 from palms.geometry import FloatArray, as_readonly, check_finite
 
-__all__ = ["DepthFrame", "points_of"]
+__all__ = ["DepthFrame", "points_of", "step_of"]
 
+_ENOUGH_PIXELS = 2_000_000  # ours: of a whole turn; more only take time
 MIN_DEPTH_M = 0.1  # ours: nearer is the user's own hand
 
 
@@ -87,6 +88,20 @@ class DepthFrame:
             np.broadcast_arrays(right * known, -down[:, None] * known, -known), axis=-1
         )
         return np.asarray(in_camera @ self.pose[:3, :3].T + self.pose[:3, 3])
+
+
+def step_of(frames: Sequence[DepthFrame]) -> int:
+    """Return which rows and columns of images are enough: every first, second, ...
+
+    Examples
+    --------
+    >>> level = [[1, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 1.4], [0, 0, 0, 1]]
+    >>> frame = DepthFrame(np.full((192, 256), 2.0), [200, 200], [128, 96], level)
+    >>> step_of([frame] * 20), step_of([frame] * 90)
+    (1, 2)
+    """
+    pixels = sum(frame.depth_m.size for frame in frames)
+    return max(1, int(np.ceil(np.sqrt(pixels / _ENOUGH_PIXELS))))
 
 
 def points_of(

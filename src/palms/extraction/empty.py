@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from palms._compiled import raster as cells
 from palms.errors import InputError
 from palms.extraction.depth import DepthFrame
 from palms.extraction.settings import ExtractionSettings
@@ -57,6 +56,8 @@ def free_ranges(
     >>> round(float(free[90]), 1), bool(np.isnan(free[270]))
     (2.0, True)
     """
+    from palms._compiled import raster as cells
+
     settings = settings or ExtractionSettings()
     here = check_finite(position_m, "the observation point", (2,))
     if not len(frames):

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from palms.errors import InputError, PalmsWarning
 from palms.extraction.columns import floor_height_m
-from palms.extraction.depth import DepthFrame, points_of
+from palms.extraction.depth import DepthFrame, points_of, step_of
 from palms.extraction.empty import free_ranges
 from palms.extraction.settings import ExtractionSettings
 from palms.extraction.walls import walls_from_points
@@ -105,7 +105,7 @@ def scan_from_depth(
     settings: ExtractionSettings | None = None,
     *,
     floor_m: float | None = None,
-    step: int = 1,
+    step: int | None = None,
 ) -> Scan:
     """Make a scan of depth images: the walls that they show, the space that they prove empty.
 
@@ -118,8 +118,9 @@ def scan_from_depth(
     settings : ExtractionSettings, optional
     floor_m : float, optional
         Height of the floor; found when left out.
-    step : int
-        Only every so manieth row and column of the images.
+    step : int, optional
+        Only every so manieth row and column of the images; as many as are enough when left
+        out.
 
     Raises
     ------
@@ -129,6 +130,7 @@ def scan_from_depth(
     settings = settings or ExtractionSettings()
     if not len(frames):
         raise InputError("depth images", expected="at least one", got="none")
+    step = step or step_of(frames)
     eyes = np.array([frame.camera_m for frame in frames])
     points = points_of(frames, settings, step)
     if not len(points):

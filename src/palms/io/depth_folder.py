@@ -11,6 +11,7 @@ import numpy as np
 
 from palms.errors import FormatError, InputError, PalmsWarning
 from palms.extraction import DepthFrame, ExtractionSettings, free_ranges, scan_from_depth
+from palms.extraction.depth import step_of
 from palms.geometry import FloatArray
 from palms.io.files import read_json
 from palms.io.plane_geometry import read_matrices
@@ -85,7 +86,7 @@ def read_coverage(path: StrPath, position_m: FloatArray) -> FloatArray:
     """
     frames = read_frames(path, _COVERAGE_FRAMES)
     with locating(path):
-        return free_ranges(frames, position_m)
+        return free_ranges(frames, position_m, step=step_of(frames))
 
 
 def evenly(count: int, most: int = MAX_FRAMES) -> list[int]:
