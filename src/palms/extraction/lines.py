@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -11,10 +12,11 @@ from palms.extraction.columns import Columns, height_of_bits_m
 from palms.extraction.settings import ExtractionSettings
 from palms.geometry import FloatArray
 
-__all__ = ["Wall", "find_lines", "join_corners"]
+__all__ = ["Wall", "find_lines"]
 
 _SEED_M = 0.25  # ours: columns within this tell the direction of a seed
 _SEED_LINEAR = 0.4  # ours: how much longer than wide they must lie
+_MANY_PAIRS, _NEAREST, _CHUNK = 8_000_000, 48, 50_000  # ours: some 200 MB at a time
 _ROUNDS = 30  # ours: growing settles within about 10
 _SETTLING = 2  # ours: times that points are chosen anew by the line fitted to them
 _PIECE_M = 0.05  # ours: pieces that must lie on one straight line
@@ -99,22 +101,38 @@ def find_lines(columns: Columns, settings: ExtractionSettings) -> list[Wall]:
 
 def _seeds(columns: Columns) -> tuple[npt.NDArray[np.int64], FloatArray]:
     """Columns by how clearly their surroundings lie on a line; directions (N, 2) there."""
-    from scipy.spatial import cKDTree
-
-    count, weight = len(columns), columns.weight
-    pairs = cKDTree(columns.centre_m).query_pairs(_SEED_M, output_type="ndarray")
-    i, j = np.concatenate([pairs, pairs[:, ::-1]]).T
-    off = columns.centre_m[j] - columns.centre_m[i]
-    xx, xy, yy = (
-        np.bincount(i, weight[j] * off[:, a] * off[:, b], count)
-        for a, b in ((0, 0), (0, 1), (1, 1))
-    )
+    moments = np.zeros((3, len(columns)))
+    for i, j in _neighbours(columns.centre_m):
+        x, y = (columns.centre_m[j] - columns.centre_m[i]).T
+        for k, product in enumerate((x * x, x * y, y * y)):
+            moments[k] += np.bincount(i, columns.weight[j] * product, len(columns))
+    xx, xy, yy = moments
     angle = 0.5 * np.arctan2(2 * xy, xx - yy)
     total = np.maximum(xx + yy, 1e-12)
     linear = np.hypot(2 * xy, xx - yy) / total
     strength = np.where(linear >= _SEED_LINEAR, linear * (xx + yy), 0.0)
     order = np.argsort(-strength, kind="stable")
     return order[strength[order] > 0], np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def _neighbours(
+    centre: FloatArray,
+) -> Iterator[tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]]:
+    """Pairs of columns that are near to each other; of very dense ones the nearest of each."""
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(centre)
+    if tree.count_neighbors(tree, _SEED_M) <= _MANY_PAIRS:
+        pairs = tree.query_pairs(_SEED_M, output_type="ndarray")
+        yield pairs[:, 0], pairs[:, 1]
+        yield pairs[:, 1], pairs[:, 0]
+        return
+    for start in range(0, len(centre), _CHUNK):
+        part = centre[start : start + _CHUNK]
+        distance, j = tree.query(part, _NEAREST, distance_upper_bound=_SEED_M)
+        i = np.repeat(np.arange(start, start + len(part)), _NEAREST)
+        known = np.isfinite(distance.ravel())
+        yield i[known], j.ravel()[known]
 
 
 def _grow(
@@ -344,42 +362,3 @@ def _is_beside(wall: Wall, other: Wall, settings: ExtractionSettings) -> bool:
     along, across, length = _on(other, places)
     same = (along >= -0.02) & (along <= length + 0.02) & (np.abs(across) <= settings.apart_m)
     return bool(same.mean() > 0.5)
-
-
-def join_corners(walls: list[Wall], corner_m: float) -> list[Wall]:
-    """Move ends to where two walls' lines meet, when both have an end near there.
-
-    Examples
-    --------
-    >>> a = Wall(np.array([[0.0, 0.0], [2.98, 0.0]]), 0.01, 9)
-    >>> b = Wall(np.array([[3.0, 0.03], [3.0, 2.0]]), 0.01, 9)
-    >>> join_corners([a, b], 0.15)[0].ends_m.tolist()
-    [[0.0, 0.0], [3.0, 0.0]]
-    """
-    ends = [wall.ends_m.copy() for wall in walls]
-    taken = np.full((len(walls), 2), np.inf)
-    for i, a in enumerate(walls):
-        for j in range(i):
-            meeting = _meeting(a.ends_m, walls[j].ends_m)
-            if meeting is None:
-                continue
-            for_a = np.linalg.norm(a.ends_m - meeting, axis=1)
-            for_b = np.linalg.norm(walls[j].ends_m - meeting, axis=1)
-            if max(for_a.min(), for_b.min()) > corner_m:
-                continue
-            for k, distance in ((i, for_a), (j, for_b)):
-                end = int(distance.argmin())
-                if distance[end] < taken[k, end]:
-                    ends[k][end], taken[k, end] = meeting, distance[end]
-    return [wall._replace(ends_m=moved) for wall, moved in zip(walls, ends, strict=True)]
-
-
-def _meeting(a: FloatArray, b: FloatArray) -> FloatArray | None:
-    """Where the lines of two walls meet; None when they run within 30 degrees."""
-    u, v = a[1] - a[0], b[1] - b[0]
-    cross = u[0] * v[1] - u[1] * v[0]
-    if abs(cross) < 0.5 * np.hypot(*u) * np.hypot(*v):
-        return None
-    off = b[0] - a[0]
-    share = (off[0] * v[1] - off[1] * v[0]) / cross
-    return np.asarray(a[0] + share * u)

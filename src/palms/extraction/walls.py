@@ -7,7 +7,8 @@ import numpy.typing as npt
 
 from palms.errors import InputError
 from palms.extraction.columns import find_columns, floor_height_m
-from palms.extraction.lines import Wall, find_lines, join_corners
+from palms.extraction.corners import join_corners
+from palms.extraction.lines import Wall, find_lines
 from palms.extraction.settings import ExtractionSettings
 from palms.geometry import check_finite
 
