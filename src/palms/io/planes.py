@@ -3,18 +3,21 @@
 Three forms are read: planes with histories (`centers`, `extents`), the older form
 (`planeCenter`, `planeExtent`), and plain segments ``[[[x1, y1], [x2, y2]], ...]``.
 A file ``scan.json`` beside it may add ``t_s``, ``position_m``, and of ours
-``coverage_m`` (null where nobody looked) and ``session``.
+``coverage_m`` (null where nobody looked) and ``session``. Without `coverage_m`, depth images
+in folders beside the planes tell what is empty.
 """
 
 from __future__ import annotations
 
 import re
+import warnings
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from palms.errors import FormatError, InputError
+from palms.errors import FormatError, InputError, PalmsWarning
 from palms.geometry import FloatArray, lengths
 from palms.io.files import head, make_folder, read_json, remove_stale, write_json
 from palms.io.registry import Format
@@ -101,7 +104,22 @@ def read_scan_json(path: StrPath) -> Scan:
     if sidecar.is_file():
         extras |= _read_sidecar(sidecar)
     with locating(planes):
-        return Scan(walls, **extras)
+        scan = Scan(walls, **extras)
+    return scan if scan.coverage_m is not None else _with_depth(scan, planes.parent)
+
+
+def _with_depth(scan: Scan, folder: Path) -> Scan:
+    """Say what the depth images beside a session's planes prove empty, if there are any."""
+    from palms.io.depth_folder import FORMAT as DEPTH
+    from palms.io.depth_folder import read_coverage
+
+    if not DEPTH.recognizes(folder):
+        return scan
+    try:
+        return replace(scan, coverage_m=read_coverage(folder, scan.position_m))
+    except InputError as error:
+        warnings.warn(f"the depth images are left out: {error}", PalmsWarning, stacklevel=4)
+        return scan
 
 
 def scan_time_s(folder: StrPath) -> float:

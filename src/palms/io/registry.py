@@ -47,7 +47,6 @@ ODOMETRY = "palms.odometry"
 
 BUILT_IN: dict[str, tuple[str, ...]] = {
     FLOORPLANS: ("palms.io.plan_csv:FORMAT",),
-    SCANS: ("palms.io.planes:FORMAT",),
     ODOMETRY: (
         "palms.io.tracking:FORMAT",
         "palms.io.tum:FORMAT",
@@ -56,6 +55,19 @@ BUILT_IN: dict[str, tuple[str, ...]] = {
         "palms.io.sensor_logger:FORMAT",
         "palms.io.ronin:FORMAT",
         "palms.io.step_heading:FORMAT",
+    ),
+    SCANS: (
+        "palms.io.planes:FORMAT",
+        "palms.io.arkit_planes:FORMAT",
+        "palms.io.roomplan:FORMAT",
+        "palms.io.webxr_planes:FORMAT",
+        "palms.io.arcore_planes:FORMAT",
+        "palms.io.depth_folder:FORMAT",
+        "palms.io.ply:FORMAT",
+        "palms.io.npz_cloud:FORMAT",
+        "palms.io.stray_scanner:FORMAT",
+        "palms.io.las:FORMAT",
+        "palms.io.e57:FORMAT",
     ),
 }
 _WHAT = {FLOORPLANS: "floor plan", SCANS: "scan", ODOMETRY: "walk"}
@@ -163,7 +175,7 @@ def _has_suffix(reader: Any, path: Path) -> bool:  # noqa: ANN401
 
 
 def _listed(readers: Sequence[Any]) -> str:
-    return ", ".join(f"{r.name} ({' '.join(r.suffixes)})" for r in readers)
+    return ", ".join(f"{r.name} ({' '.join(r.suffixes) or 'a folder'})" for r in readers)
 
 
 def choose_format(group: str, path: StrPath, name: str | None = None) -> Any:  # noqa: ANN401

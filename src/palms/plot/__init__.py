@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from palms.plot.report import Details as Details
     from palms.plot.report import report_html as report_html
     from palms.plot.report import write_report as write_report
+    from palms.plot.scans import scan_figure as scan_figure
     from palms.plot.stages import stages_figure as stages_figure
     from palms.plot.story import Story as Story
     from palms.plot.tracks import track_figure as track_figure
@@ -53,6 +54,7 @@ _HOMES = {
     "pipeline_figure": "pipeline",
     "plan_figure": "plans",
     "report_html": "report",
+    "scan_figure": "scans",
     "stages_figure": "stages",
     "track_figure": "tracks",
     "walk_figure": "walks",

@@ -19,6 +19,7 @@ from palms.evaluation.simulation.cases import (
     simulate_start,
     simulate_walk,
 )
+from palms.evaluation.simulation.depth_camera import DepthCamera, DepthSequence, take_depth
 from palms.evaluation.simulation.drawing import Stretch, draw_plan, draw_stretch
 from palms.evaluation.simulation.generator import (
     Building,
@@ -62,6 +63,8 @@ __all__ = [
     "Building",
     "CaseSettings",
     "Count",
+    "DepthCamera",
+    "DepthSequence",
     "FreeSpace",
     "InertialNoise",
     "NuisanceRanges",
@@ -109,6 +112,7 @@ __all__ = [
     "simulate_site",
     "simulate_start",
     "simulate_walk",
+    "take_depth",
     "take_scan",
     "vio_odometry",
     "walk",

@@ -1,0 +1,1 @@
+"""Walls found in depth images and point clouds, against the truth where it is known."""
