@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from palms.cli._options import Json, ScanPath
+from palms.cli._options import Json, OneScanFormat, OneScanOptions, ScanPath
 from palms.cli._outputs import check_file, describe, write_result
 
 if TYPE_CHECKING:
@@ -23,13 +23,18 @@ def scan() -> None:
 
 
 @app.command(epilog="Example: palms scan info trajectories/E2/walk-1/Session_7")
-def info(scan: ScanPath, json: Json = None) -> None:
+def info(
+    scan: ScanPath,
+    json: Json = None,
+    format: OneScanFormat = None,
+    option: OneScanOptions = None,
+) -> None:
     """Tell what a scan holds: walls, their range, the session."""
-    from palms.cli._inputs import scan_name
-    from palms.io import read_scan
+    from palms.cli._inputs import Source, read_scan, scan_name
 
     check_file(json)
-    facts = {"schema": "palms-scan/1", "scan": scan_name(scan), **_facts(read_scan(scan))}
+    read = read_scan(Source(scan, format, option))
+    facts = {"schema": "palms-scan/1", "scan": scan_name(scan), **_facts(read)}
     nearest, farthest = facts["range_m"]
     describe(
         [

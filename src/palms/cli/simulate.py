@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from palms.cli._options import Json
+from palms.cli._options import Json, PlanFormat, PlanOptions
 from palms.cli._outputs import check_file, check_folder, is_stdout, progress, speaker, write_result
 
 if TYPE_CHECKING:
+    from palms.cli._inputs import Source
     from palms.evaluation.simulation import CaseSettings, SimulatedCase, Site
 
 __all__ = ["EXAMPLE", "simulate"]
@@ -111,12 +112,15 @@ def simulate(
         bool, typer.Option("--pictures/--no-pictures", help="Draw every case.")
     ] = True,
     json: Json = None,
+    plan_format: PlanFormat = None,
+    plan_option: PlanOptions = None,
 ) -> None:  # fmt: skip
     """Simulate scans and walks, in a plan's world or in buildings drawn from a seed.
 
     What methods are given has gone stale: walls moved, doors undrawn, the scale off. The
     noise of each case is drawn anew and kept in its nuisances.json.
     """
+    from palms.cli._inputs import Source
     from palms.evaluation.simulation import CaseSettings
 
     _check_usage(plan, building, buildings, (starts, levels))
@@ -130,7 +134,8 @@ def simulate(
     _check_new(out)
     say = speaker(json)
     per_site = [starts // buildings + (k < starts % buildings) for k in range(buildings)]
-    sources = [(plan or building, seed + k, levels) for k in range(buildings)]
+    drawn = Source(plan, plan_format, plan_option) if plan is not None else building
+    sources = [(drawn, seed + k, levels) for k in range(buildings)]
     rows = []
     with progress(starts * walks, "Simulating") as advance:
         for (source, number, high), count in zip(sources, per_site, strict=True):
@@ -172,12 +177,13 @@ def _check_new(out: Path) -> None:
 
 
 def _cases(
-    source: tuple[Path | str | None, int, int],
+    source: tuple[Source | str | None, int, int],
     count: tuple[int, int],
     settings: CaseSettings,
     double: str | None,
 ) -> Iterator[tuple[Site, SimulatedCase]]:
     """Build one building and yield its cases."""
+    from palms.cli._inputs import Source, read_plan
     from palms.evaluation.simulation import (
         Building,
         Count,
@@ -186,11 +192,10 @@ def _cases(
         make_site,
         simulate_site,
     )
-    from palms.io import read_floorplan
 
     what, seed, levels = source
-    if isinstance(what, Path):
-        building = Building((read_floorplan(what),))
+    if isinstance(what, Source):
+        building = Building((read_plan(what),))
     else:
         building = generate_levels(str(what), seed, levels)
     ranges = NuisanceRanges() if double is None else NuisanceRanges().double(double)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from palms.cli._options import Json, WalkPath
+from palms.cli._options import Json, OneWalkFormat, OneWalkOptions, WalkPath
 from palms.cli._outputs import check_file, describe, write_result
 
 if TYPE_CHECKING:
@@ -23,13 +23,18 @@ def walk() -> None:
 
 
 @app.command(epilog="Example: palms walk info trajectories/E2/walk-1")
-def info(walk: WalkPath, json: Json = None) -> None:
+def info(
+    walk: WalkPath,
+    json: Json = None,
+    format: OneWalkFormat = None,
+    option: OneWalkOptions = None,
+) -> None:
     """Tell what a recorded walk holds: samples, length, odometry, references."""
-    from palms.cli._inputs import walk_name
-    from palms.io import read_walk
+    from palms.cli._inputs import Source, read_walk, walk_name
 
     check_file(json)
-    facts = {"schema": "palms-walk/1", "walk": walk_name(walk), **_facts(read_walk(walk))}
+    read = read_walk(Source(walk, format, option))
+    facts = {"schema": "palms-walk/1", "walk": walk_name(walk), **_facts(read)}
     describe(
         [
             ("walk", facts["walk"]),

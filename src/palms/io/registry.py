@@ -21,11 +21,13 @@ from typing import TYPE_CHECKING, Any
 
 from palms.errors import InputError, PalmsError, PalmsWarning
 from palms.io.files import head, sniff
+from palms.io.options import parse_options
 from palms.io.values import StrPath
 
 if TYPE_CHECKING:
     from palms.floorplan import FloorPlan
     from palms.io.walk import RecordedWalk
+    from palms.odometry import Odometry
     from palms.scan import Scan
 
 __all__ = [
@@ -36,6 +38,7 @@ __all__ = [
     "Format",
     "choose_format",
     "formats",
+    "read_any",
     "read_floorplan",
     "read_scan",
     "read_walk",
@@ -203,12 +206,42 @@ def choose_format(group: str, path: StrPath, name: str | None = None) -> Any:  #
     got = "a folder" if place.is_dir() else sniff(head(place)) if head(place) else "an empty file"
     raise InputError(
         str(path), expected=f"a {_WHAT[group]} as {_listed(readers)}", got=got,
-        fix="convert it, or name its format",
+        fix="convert it, or name its format; palms formats tells more",
     )  # fmt: skip
 
 
-def _read(group: str, path: StrPath, name: str | None, options: dict[str, Any]) -> Any:  # noqa: ANN401
+def read_any(group: str, path: StrPath, name: str | None = None, texts: Sequence[str] = ()) -> Any:  # noqa: ANN401
+    """Read a file of a group with options given as text, as the command line has them.
+
+    Parameters
+    ----------
+    group : str
+        `FLOORPLANS`, `SCANS` or `ODOMETRY`.
+    path : path
+        The file or folder.
+    name : str, optional
+        Name of its format; found out when left out.
+    texts : sequence of str
+        Options for the reader of that format, as ``scale=0.02``.
+
+    Raises
+    ------
+    InputError
+        As `read_floorplan`; also for an option that the format does not have.
+
+    Examples
+    --------
+    >>> read_any(FLOORPLANS, "hall.csv", "csv", ["colour=red"])
+    Traceback (most recent call last):
+    palms.errors.InputError: option of format csv: expected ..., got 'colour'
+    """
     reader = choose_format(group, path, name)
+    options = parse_options(reader.read, texts, f"option of format {reader.name}")
+    value = _read(reader, group, path, options)
+    return _recorded(value, path) if group == ODOMETRY else value
+
+
+def _read(reader: Any, group: str, path: StrPath, options: dict[str, Any]) -> Any:  # noqa: ANN401
     try:
         inspect.signature(reader.read).bind(path, **options)
     except TypeError as error:
@@ -254,7 +287,8 @@ def read_floorplan(path: StrPath, *, format: str | None = None, **options: Any) 
     ...     read_floorplan(f"{folder}/hall.csv").size_m.tolist()
     [8.0, 5.0]
     """
-    plan: FloorPlan = _read(FLOORPLANS, path, format, options)
+    reader = choose_format(FLOORPLANS, path, format)
+    plan: FloorPlan = _read(reader, FLOORPLANS, path, options)
     return plan
 
 
@@ -284,7 +318,8 @@ def read_scan(path: StrPath, *, format: str | None = None, **options: Any) -> Sc
     ...     read_scan(f"{folder}/scan.json").walls_m.tolist()
     [[[2.0, -2.5], [2.0, 0.5]]]
     """
-    scan: Scan = _read(SCANS, path, format, options)
+    reader = choose_format(SCANS, path, format)
+    scan: Scan = _read(reader, SCANS, path, options)
     return scan
 
 
@@ -315,11 +350,12 @@ def read_walk(path: StrPath, *, format: str | None = None, **options: Any) -> Re
     ...     read_walk(f"{folder}/walk.json").odometry("arkit").position_m.tolist()
     [[1.0, 0.0], [2.0, 0.0]]
     """
+    reader = choose_format(ODOMETRY, path, format)
+    return _recorded(_read(reader, ODOMETRY, path, options), path)
+
+
+def _recorded(walk: RecordedWalk | Odometry, path: StrPath) -> RecordedWalk:
     from palms.io.walk import RecordedWalk
     from palms.odometry import Odometry
 
-    walk = _read(ODOMETRY, path, format, options)
-    if isinstance(walk, Odometry):
-        walk = RecordedWalk.of(walk, path=Path(path))
-    recorded: RecordedWalk = walk
-    return recorded
+    return RecordedWalk.of(walk, path=Path(path)) if isinstance(walk, Odometry) else walk
