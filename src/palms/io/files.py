@@ -21,6 +21,7 @@ __all__ = [
     "StrPath",
     "head",
     "make_folder",
+    "read_bytes",
     "read_json",
     "read_text",
     "remove_stale",
@@ -87,7 +88,20 @@ def _open_guarded(path: StrPath) -> bytes:
         return file.read(MAX_BYTES + 1)
 
 
-def _read_bytes(path: StrPath) -> bytes:
+def read_bytes(path: StrPath) -> bytes:
+    """Return the content of a file, at most `MAX_BYTES` of it.
+
+    Raises
+    ------
+    InputError
+        When it is missing, a folder, not readable or larger.
+
+    Examples
+    --------
+    >>> read_bytes("no/such/file.png")
+    Traceback (most recent call last):
+    palms.errors.InputError: no/such/file.png: expected a file, got nothing there; check the ...
+    """
     try:
         content = _open_guarded(path)
     except FileNotFoundError:
@@ -134,7 +148,7 @@ def read_text(path: StrPath, expected: str = "text") -> str:
     Traceback (most recent call last):
     palms.errors.InputError: no/such/file.csv: expected a file, got nothing there; check the ...
     """
-    content = _read_bytes(path)
+    content = read_bytes(path)
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -49,7 +49,11 @@ SCANS = "palms.scans"
 ODOMETRY = "palms.odometry"
 
 BUILT_IN: dict[str, tuple[str, ...]] = {
-    FLOORPLANS: ("palms.io.plan_csv:FORMAT",),
+    FLOORPLANS: (
+        "palms.io.plan_csv:FORMAT",
+        "palms.io.plan_geojson:FORMAT",
+        "palms.io.plan_imdf:FORMAT",
+    ),
     SCANS: ("palms.io.planes:FORMAT",),
     ODOMETRY: ("palms.io.tracking:FORMAT",),
 }
