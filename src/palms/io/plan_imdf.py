@@ -47,7 +47,7 @@ class _Item(NamedTuple):
         return self.feature.properties.get(key)
 
 
-def read_plan_imdf(  # noqa: PLR0913
+def read_plan_imdf(
     path: StrPath,
     *,
     level: str | None = None,
@@ -82,7 +82,7 @@ def read_plan_imdf(  # noqa: PLR0913
         lists them.
     """
     items = _load(path)
-    buildings = {each.id: _label(each.get("name"), language) for each in items["building"]}
+    buildings = {each.id: each.get("name") for each in items["building"]}
     chosen = _choose(items["level"], (level, building), buildings, language, str(path))
     rings = [ring for each in items["level"] for ring in each.feature.rings]
     corners = np.concatenate(rings) if rings else np.empty((0, 2))
@@ -100,8 +100,7 @@ def read_plan_imdf(  # noqa: PLR0913
     parts.rooms = _rooms(here["unit"], _tenants(items, language), place, language, str(path))
     if chosen.feature.rings:
         parts.outline_m = place.to_local(max(chosen.feature.rings, key=len))[:-1]
-    owner = next((buildings[b] for b in chosen.get("building_ids") or () if b in buildings), "")
-    name = owner or Path(path).resolve().stem
+    name = _owner(chosen, buildings, language) or Path(path).resolve().stem
     return parts.build(path, name, _label(chosen.get("name"), language) or _ordinal(chosen), place)
 
 
@@ -152,7 +151,7 @@ def _ordinal(level: _Item) -> str:
 def _choose(
     levels: Sequence[_Item],
     wanted: tuple[str | None, str | None],
-    buildings: Mapping[str, str],
+    buildings: Mapping[str, Any],
     language: str | None,
     what: str,
 ) -> _Item:
@@ -167,7 +166,7 @@ def _choose(
         return fitting[0]
     shown = "; ".join(
         f"{_label(each.get('name'), language) or 'no name'} (ordinal {_ordinal(each)}, "
-        f"{', '.join(sorted(set(_owners(each, buildings)) - set(buildings))) or 'no building'}, "
+        f"{_owner(each, buildings, language) or 'no building'}, "
         f"id {each.id})"
         for each in (fitting or levels)[:20]
     )
@@ -180,18 +179,30 @@ def _choose(
     )
 
 
-def _names(level: _Item) -> set[str]:
-    texts = {level.id, _ordinal(level)}
-    for key in ("name", "short_name"):
-        value = level.get(key)
-        texts |= set(value.values()) if isinstance(value, dict) else {value}
+def _texts(name: object) -> set[str]:
+    """All languages of a name."""
+    texts = name.values() if isinstance(name, dict) else [name]
     return {text.strip() for text in texts if isinstance(text, str)} - {""}
 
 
-def _owners(level: _Item, buildings: Mapping[str, str]) -> list[str]:
+def _names(level: _Item) -> set[str]:
+    names = _texts(level.get("name")) | _texts(level.get("short_name"))
+    return names | {level.id, _ordinal(level)}
+
+
+def _ids(level: _Item) -> list[str]:
     ids = level.get("building_ids")
-    known = [each for each in ids if isinstance(each, str)] if isinstance(ids, list) else []
-    return [*known, *(buildings[each] for each in known if buildings.get(each))]
+    return [each for each in ids if isinstance(each, str)] if isinstance(ids, list) else []
+
+
+def _owners(level: _Item, buildings: Mapping[str, Any]) -> set[str]:
+    """Ids and names of the buildings of a level."""
+    ids = _ids(level)
+    return set(ids).union(*(_texts(buildings.get(each)) for each in ids))
+
+
+def _owner(level: _Item, buildings: Mapping[str, Any], language: str | None) -> str:
+    return ", ".join(filter(None, (_label(buildings.get(i), language) for i in _ids(level))))
 
 
 def _polygon(item: _Item, place: Origin) -> Any:  # noqa: ANN401

@@ -53,6 +53,8 @@ BUILT_IN: dict[str, tuple[str, ...]] = {
         "palms.io.plan_csv:FORMAT",
         "palms.io.plan_geojson:FORMAT",
         "palms.io.plan_imdf:FORMAT",
+        "palms.io.plan_image:FORMAT",
+        "palms.io.plan_ros:FORMAT",
     ),
     SCANS: ("palms.io.planes:FORMAT",),
     ODOMETRY: ("palms.io.tracking:FORMAT",),
