@@ -39,6 +39,7 @@ from palms.io.registry import (
     read_floorplan,
     read_scan,
     read_walk,
+    write_floorplan,
 )
 from palms.io.tracking import read_tracking, write_tracking
 from palms.io.truth import Truth, read_truth, write_truth
@@ -75,6 +76,7 @@ __all__ = [
     "read_walk",
     "write_case",
     "write_events",
+    "write_floorplan",
     "write_json",
     "write_label",
     "write_plan",

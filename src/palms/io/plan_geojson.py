@@ -17,7 +17,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from palms.errors import FormatError, InputError, PalmsWarning
+from palms.errors import FormatError, InputError, OutputError, PalmsWarning
 from palms.floorplan import FloorPlan, Room, SegmentClass
 from palms.geodesy import Origin
 from palms.geometry import FloatArray
@@ -406,6 +406,8 @@ def write_plan_geojson(plan: FloorPlan, path: StrPath) -> None:
     known: dict[str, Any] = {"name": plan.name}
     if plan.level is not None:
         known["level"] = plan.level
+    if str(path).lower().endswith(".gz"):
+        raise OutputError(str(path), expected="a name that ends in .geojson", got=".gz")
     write_json(path, {"type": "FeatureCollection", **known, "features": features})
 
 

@@ -30,7 +30,7 @@ WORK_PIXELS = 12_000_000  # ours: larger pictures are reduced; keeps memory unde
 _MAGIC = (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"BM", b"II*\x00", b"MM\x00*", b"P5", b"P2")
 _TEXT_SHARE = 0.02  # ours: letters are smaller than this share of the picture's longer side
 _TEXT_PX = 12.0  # ours: and no text is smaller
-_THICK_PX = 4.0  # ours: from there on walls are told from thin strokes
+_THICK_PX = 3.0  # ours: from there on walls are told from thin strokes
 _SUFFIXES = (".png", ".jpg", ".jpeg", ".gif", ".bmp", ".tif", ".tiff", ".webp")
 
 Grey = npt.NDArray[np.float32]
@@ -139,7 +139,7 @@ def read_plan_image(  # noqa: PLR0913
         Whether walls are light on dark.
     min_stroke : float, optional
         Thinner strokes, in pixels, are no walls. When left out, half of what most dark pixels
-        have, if that is at least 4; else none are removed.
+        have, if that is at least 3; else none are removed.
     text_size : float, optional
         Patches that fit into a square of so many pixels are letters or furniture; a fiftieth of
         the longer side when left out.

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from palms.errors import InputError, PalmsError, PalmsWarning
+from palms.errors import InputError, OutputError, PalmsError, PalmsWarning
 from palms.io.files import head, sniff
 from palms.io.options import parse_options
 from palms.io.values import StrPath
@@ -42,6 +42,7 @@ __all__ = [
     "read_floorplan",
     "read_scan",
     "read_walk",
+    "write_floorplan",
 ]
 
 FLOORPLANS = "palms.floorplans"
@@ -55,6 +56,7 @@ BUILT_IN: dict[str, tuple[str, ...]] = {
         "palms.io.plan_imdf:FORMAT",
         "palms.io.plan_image:FORMAT",
         "palms.io.plan_ros:FORMAT",
+        "palms.io.plan_dxf:FORMAT",
     ),
     SCANS: ("palms.io.planes:FORMAT",),
     ODOMETRY: ("palms.io.tracking:FORMAT",),
@@ -296,6 +298,40 @@ def read_floorplan(path: StrPath, *, format: str | None = None, **options: Any) 
     reader = choose_format(FLOORPLANS, path, format)
     plan: FloorPlan = _read(reader, FLOORPLANS, path, options)
     return plan
+
+
+def write_floorplan(plan: FloorPlan, path: StrPath, *, format: str | None = None) -> None:
+    """Write a floor plan in the format that the file's name ends for.
+
+    Parameters
+    ----------
+    plan : FloorPlan
+    path : path
+        The file; replaced when it exists. Its folder must exist.
+    format : str, optional
+        Name of the format, when the name of the file does not tell.
+
+    Raises
+    ------
+    OutputError
+        When no format that can be written fits, or the file cannot be written.
+
+    Examples
+    --------
+    >>> from palms.floorplan import FloorPlan
+    >>> write_floorplan(FloorPlan([[[0, 0], [8, 0]]]), "hall.dwg")
+    Traceback (most recent call last):
+    palms.errors.OutputError: hall.dwg: expected a name that ends in ..., got 'hall.dwg'
+    """
+    writers = [r for r in formats(FLOORPLANS) if getattr(r, "write", None) is not None]
+    place = Path(path)
+    fitting = [r for r in writers if (r.name == format if format else _has_suffix(r, place))]
+    if not fitting:
+        known = " or ".join(f"{r.suffixes[0]} ({r.name})" for r in writers)
+        raise OutputError(
+            str(path), expected=f"a name that ends in {known}", got=repr(format or place.name)
+        )
+    fitting[0].write(plan, path)
 
 
 def read_scan(path: StrPath, *, format: str | None = None, **options: Any) -> Scan:  # noqa: ANN401

@@ -239,7 +239,7 @@ def _middles(patch: Mask, run: float) -> tuple[list[FloatArray], float]:
         return [], 0.0
     usual = np.flatnonzero(np.abs(thickness - typical) <= max(1.0, 0.25 * typical))
     rows = np.arange(patch.shape[0])[:, None] + 0.5
-    x = usual + 0.5
+    x = np.asarray(usual + 0.5, dtype=np.float64)
     y = np.asarray((patch[:, usual] * rows).sum(axis=0) / thickness[usual], dtype=np.float64)
     bends = _bends(x, y, max(_BEND_CELLS, typical / 2))
     borders = [0.0, *(x[bends]), float(len(thickness))]
