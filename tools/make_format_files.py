@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import shapely
 from PIL import Image, ImageDraw
 
 from palms import FloorPlan, Origin, SegmentClass, read_floorplan
@@ -40,9 +41,10 @@ def write_imdf(plan: FloorPlan, path: Path) -> None:
     """Write rooms as units and doors as openings; IMDF has no walls."""
     level = {"id": "level-2", "properties": {"name": {"en": "Second floor"}, "ordinal": 1,
              "short_name": {"en": "2"}, "building_ids": ["b"]}}  # fmt: skip
-    low, high = plan.bounds_m
-    corners = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]]
-    level["geometry"] = {"type": "Polygon", "coordinates": [_ring(corners)]}
+    covered = shapely.union_all([shapely.Polygon(room.polygon_m) for room in plan.rooms])
+    floor = covered.buffer(0.1, join_style="mitre").buffer(-0.1, join_style="mitre")
+    outline = shapely.get_coordinates(floor.exterior)[:-1]
+    level["geometry"] = {"type": "Polygon", "coordinates": [_ring(outline)]}
     building = {"id": "b", "properties": {"name": {"en": "floor"}}, "geometry": None}
     units = [_unit(f"unit-{i}", room.name, room.polygon_m) for i, room in enumerate(plan.rooms)]
     openings = [

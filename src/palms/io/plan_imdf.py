@@ -21,6 +21,7 @@ from palms.io.plan_geojson import Feature, parse_features, parse_json, unzipped
 from palms.io.plan_parts import PlanParts, segments_along
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief, locating
+from palms.repair import merge
 
 __all__ = ["FORMAT", "read_plan_imdf"]
 
@@ -101,7 +102,9 @@ def read_plan_imdf(
     if chosen.feature.rings:
         parts.outline_m = place.to_local(max(chosen.feature.rings, key=len))[:-1]
     name = _owner(chosen, buildings, language) or Path(path).resolve().stem
-    return parts.build(path, name, _label(chosen.get("name"), language) or _ordinal(chosen), place)
+    title = _label(chosen.get("name"), language) or _ordinal(chosen)
+    plan, _ = merge(parts.build(path, name, title, place))  # edges that two units share
+    return plan
 
 
 def _members() -> dict[str, str]:
