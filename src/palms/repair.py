@@ -27,6 +27,7 @@ ALONG_M = 0.02  # ours: segments that near to one line lie on it
 ALONG_RAD = math.radians(0.5)  # ours
 CELLS = 2_000_000  # ours: enough to see a door in the largest mall
 ROOM_M2 = 2.0  # ours: smaller pockets of free space are shafts
+WIDE_M = 0.3  # ours: narrower strips, such as those along the outer walls, hold nobody
 UNIT_M = 1000.0  # ours: few floors are longer
 SHARE = 0.02  # ours: less is not worth a word
 
@@ -56,9 +57,14 @@ def free_space(plan: FloorPlan) -> FreeSpace:
         cell_size_m=cell, margin_m=1.0, door_weight=0.0, opening_weight=0.0, glass_weight=1.0
     )
     raster = rasterize(plan, settings)
-    labels, count = ndimage.label(raster.inside & (raster.density <= 0.05))
-    sizes = np.bincount(labels.ravel(), minlength=count + 1)[1:] * cell**2
+    free = raster.inside & (raster.density <= 0.05)
+    labels, count = ndimage.label(free)
     if not count:
+        return FreeSpace(0.0, 0.0, 0)
+    depth = ndimage.maximum(ndimage.distance_transform_edt(free), labels, np.arange(1, count + 1))
+    sizes = np.bincount(labels.ravel(), minlength=count + 1)[1:] * cell**2
+    sizes = sizes[np.asarray(depth) * cell >= WIDE_M]
+    if not len(sizes):
         return FreeSpace(0.0, 0.0, 0)
     others = np.sort(sizes)[:-1]
     rooms = others[others >= ROOM_M2]

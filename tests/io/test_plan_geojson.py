@@ -50,10 +50,11 @@ def test_a_door_is_cut_out_of_the_wall(put):
 
 def test_thin_areas_of_doors_and_windows_become_their_middle_line(put):
     ring = [[[3, -0.1], [4, -0.1], [4, 0.1], [3, 0.1], [3, -0.1]]]
-    door, window = (feature("Polygon", ring, type=word) for word in ("door", "window"))
+    pane = [[[8.1, 3], [8.1, 4], [7.9, 4], [7.9, 3], [8.1, 3]]]
+    door, window = feature("Polygon", ring, type="door"), feature("Polygon", pane, type="window")
     plan = read_plan_geojson(put("a.geojson", collection(HALL, door, window)))
     assert plan.of_class(SegmentClass.DOOR).tolist() == [[[3, 0], [4, 0]]]
-    assert plan.of_class(SegmentClass.GLASS).tolist() == [[[3, 0], [4, 0]]]
+    assert plan.of_class(SegmentClass.GLASS).tolist() == [[[8, 3], [8, 4]]]
 
 
 def test_areas_are_walls_where_the_file_names_none(put):

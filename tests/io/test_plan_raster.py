@@ -14,21 +14,22 @@ from palms.errors import FormatError, InputError
 from palms.floorplan import FloorPlan
 from palms.geometry import lengths, rotate
 from palms.io import FLOORPLANS, read_any, write_floorplan
-from palms.io.plan_image import dark_of, read_plan_image
+from palms.io.plan_image import dark_of, load_grey, read_plan_image
 from palms.io.plan_ros import read_plan_ros
 from palms.io.vectorize import walls_of
 from tests.io.floors import DATA, apart_m, along, length_m, sample
 
-ROOM = np.array([[[2.0, 2], [12, 2]], [[12, 2], [12, 9]], [[12, 9], [2, 9]], [[2, 9], [2, 2]]])
+CORNERS = np.array([[2.0, 3.5], [12, 3.5], [12, 10.5], [2, 10.5]])
+ROOM = np.stack([CORNERS, np.roll(CORNERS, -1, axis=0)], axis=1)
 
 
 def draw(segments, angle=0.0, pixel_m=0.05, width=5, **options):
-    """A picture of walls, turned about (8, 6), 16 by 12 m."""
-    turned = rotate(segments - [8, 6], angle) + [8, 6]
-    image = Image.new("L", (round(16 / pixel_m), round(12 / pixel_m)), 255)
+    """A picture of walls, turned about (7, 7), 14 by 14 m."""
+    turned = rotate(segments - [7, 7], angle) + [7, 7]
+    image = Image.new("L", (round(14 / pixel_m), round(14 / pixel_m)), 255)
     pen = ImageDraw.Draw(image)
     for ends in turned:
-        pen.line([(x / pixel_m, (12 - y) / pixel_m) for x, y in ends], fill=0, width=width)
+        pen.line([(x / pixel_m, (14 - y) / pixel_m) for x, y in ends], fill=0, width=width)
     return image, turned
 
 
@@ -146,8 +147,7 @@ def test_a_picture_of_absurd_size_is_refused_unread(put, says):
 
 
 def test_large_pictures_are_reduced_and_keep_their_scale(tmp_path, monkeypatch):
-    monkeypatch.setattr("palms.io.plan_image.WORK_PIXELS", 20_000)
-    monkeypatch.setattr(read_plan_image.__globals__["load_grey"], "__defaults__", (20_000,))
+    monkeypatch.setattr(load_grey, "__defaults__", (20_000,))
     image, truth = draw(ROOM, width=12)
     plan = read_plan_image(save(image, tmp_path / "a.png"), scale=0.05)
     assert apart_m(along(plan.segments_m), truth).max() < 0.25
