@@ -12,9 +12,7 @@ from palms.places import Place
 
 
 @settings(derandomize=True, deadline=None)
-@given(
-    st.floats(-180, 180), st.floats(-85, 85), st.floats(-2500, 2500), st.floats(-2500, 2500)
-)
+@given(st.floats(-180, 180), st.floats(-85, 85), st.floats(-2500, 2500), st.floats(-2500, 2500))
 def test_there_and_back_is_a_tenth_of_a_millimetre(lon, lat, x, y):
     origin = Origin(lon, lat)
     assert origin.to_local(origin.to_lonlat([x, y])) == pytest.approx([x, y], abs=1e-4)
@@ -22,7 +20,11 @@ def test_there_and_back_is_a_tenth_of_a_millimetre(lon, lat, x, y):
 
 @pytest.mark.parametrize(
     ("lat", "east", "north"),
-    [(0.0, 111_319.491, 110_574.276), (45.0, 78_846.806, 111_131.745), (60.0, 55_800.0, 111_412.24)],
+    [
+        (0.0, 111_319.491, 110_574.276),
+        (45.0, 78_846.806, 111_131.745),
+        (60.0, 55_800.0, 111_412.24),
+    ],
 )
 def test_a_degree_is_as_long_as_the_tables_say(lat, east, north):
     """Lengths of a degree on WGS84; here of its thousandth, where the curve does not show."""

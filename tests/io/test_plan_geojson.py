@@ -62,7 +62,9 @@ def test_areas_are_walls_where_the_file_names_none(put):
     plan = read_plan_geojson(put("a.geojson", collection(shop)))
     assert len(plan.segments_m) == 4
     assert plan.room_at([2, 2]) == "Shop"
-    named = read_plan_geojson(put("b.geojson", collection(HALL, feature("Polygon", AREA, name="x"))))
+    named = read_plan_geojson(
+        put("b.geojson", collection(HALL, feature("Polygon", AREA, name="x")))
+    )
     assert len(named.segments_m) == 4
     assert named.room_at([2, 2]) == "x"
 

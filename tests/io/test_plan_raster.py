@@ -17,7 +17,7 @@ from palms.io import FLOORPLANS, read_any, write_floorplan
 from palms.io.plan_image import dark_of, load_grey, read_plan_image
 from palms.io.plan_ros import read_plan_ros
 from palms.io.vectorize import walls_of
-from tests.io.floors import DATA, apart_m, along, length_m, sample
+from tests.io.floors import DATA, along, apart_m, length_m, sample
 
 CORNERS = np.array([[2.0, 3.5], [12, 3.5], [12, 10.5], [2, 10.5]])
 ROOM = np.stack([CORNERS, np.roll(CORNERS, -1, axis=0)], axis=1)
@@ -129,15 +129,17 @@ def test_modes_of_pictures(tmp_path, mode):
 def test_light_walls_on_dark_ground(tmp_path):
     image, truth = draw(ROOM)
     path = save(Image.fromarray(255 - np.asarray(image)), tmp_path / "a.png")
-    assert apart_m(along(read_plan_image(path, scale=0.05, invert=True).segments_m), truth).max() < 0.1
+    assert (
+        apart_m(along(read_plan_image(path, scale=0.05, invert=True).segments_m), truth).max() < 0.1
+    )
 
 
 def test_a_picture_of_absurd_size_is_refused_unread(put, says):
     header = struct.pack(">IIBBBBB", 60_000, 60_000, 8, 0, 0, 0, 0)
 
     def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(
-            ">I", zlib.crc32(kind + data)
+        return (
+            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
         )
 
     bomb = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(b"\0" * 99))

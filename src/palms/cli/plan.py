@@ -43,7 +43,7 @@ def _words(facts: dict[str, Any]) -> list[tuple[str, str]]:
         if each["count"]
     ]
     width, height = facts["size_m"]
-    angle = math.degrees(facts["orientation_rad"])
+    angle = round(math.degrees(facts["orientation_rad"]), 1) % 90
     place = facts["origin"]
     problems = facts["problems"] or ["nothing found"]
     return [
