@@ -127,9 +127,6 @@ def test_cut_off_files_are_refused_or_read(name, share, tmp_path):
     victim = tmp_path / name.replace("map.yaml", "map.png")
     content = victim.read_bytes()
     victim.write_bytes(content[: int(share * len(content))])
-    if name == "floor.dxf" and share > 0:  # its recovery keeps the entities that are whole
-        assert 0 < len(read_file(name, tmp_path).segments_m) < 274
-        return
     with pytest.raises(PalmsError) as caught:
         read_file(name, tmp_path)
     assert "\n" not in str(caught.value)

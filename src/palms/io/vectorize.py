@@ -246,6 +246,8 @@ def _middles(patch: Mask, run: float) -> tuple[list[FloatArray], float]:
     pieces = []
     for low, high in itertools.pairwise(borders):
         mine = (x >= low) & (x <= high)
+        if not mine.any():
+            continue
         centre = x[mine].mean()
         slope, level = _fit(x[mine] - centre, y[mine])
         ends = np.array([low, high])
