@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from palms.errors import FormatError, InputError
 from palms.floorplan import FloorPlan, SegmentClass
-from palms.io.files import head, read_bytes
+from palms.io.files import head, read_bytes, sniff
 from palms.io.plan_parts import PlanParts, check_scale
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief
@@ -153,7 +153,9 @@ def read_plan_image(  # noqa: PLR0913
     """
     content = read_bytes(path)
     _check_magic(content, path)
-    scale = _scale(scale, points, distance, str(path))
+    kind = sniff(content[:1000])
+    kind = kind if kind.endswith("image") else "a picture"
+    scale = _scale(scale, points, distance, f"{path}, {kind}")
     if threshold is not None and not 0 < threshold < 1:
         raise InputError("option threshold", expected="between 0 and 1", got=f"{threshold:g}")
     grey, factor = load_grey(content, str(path))
@@ -162,8 +164,6 @@ def read_plan_image(  # noqa: PLR0913
 
 
 def _check_magic(content: bytes, path: StrPath) -> None:
-    from palms.io.files import sniff
-
     if not content:
         raise FormatError(str(path), expected="a picture", got="an empty file")
     if not _is_picture(content):

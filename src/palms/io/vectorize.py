@@ -28,6 +28,9 @@ _DONE_BINS = 5  # ours: orientations that near to one before are explained
 _LEFT_SHARE = 0.01  # ours: the rest is noise
 _FRESH_SHARE = 0.3  # ours: a bar that is mostly explained is not another wall
 _THICK_CELLS = 3  # ours: thinner strokes do not survive turning, so they are enlarged
+_MAX_CELLS = 16_000_000  # ours: of an enlarged picture; keeps memory under a gigabyte
+_MAX_BARS = 10_000  # ours: more are noise or hatching
+_FRUITLESS = 3  # ours: orientations without a bar before the rest is given up
 _FINE_CELLS = 4  # ours: finer pictures only take longer
 _STAIRS_CELLS, _STAIRS_LEVEL = 0.8, 0.25  # ours: keep a line of one cell about two cells wide
 _BEND_CELLS = 1.5  # ours: middle lines waver by a cell
@@ -166,9 +169,10 @@ def _rescaled(dark: Mask, thickness: float) -> tuple[Mask, float]:
         padded = np.zeros((rows * k, columns * k), np.float32)
         padded[: dark.shape[0], : dark.shape[1]] = dark
         return np.asarray(padded.reshape(rows, k, columns, k).mean(axis=(1, 3)) > 0.5), 1 / k
-    k = max(1, math.ceil(_THICK_CELLS / thickness))
-    if k == 1:
+    if thickness >= _THICK_CELLS:
         return dark, 1.0
+    room = math.isqrt(_MAX_CELLS // max(dark.size, 1))
+    k = min(math.ceil(_THICK_CELLS / thickness), max(room, 1))
     grey = dark.repeat(k, axis=0).repeat(k, axis=1).astype(np.float32)
     smooth = ndimage.gaussian_filter(grey, _STAIRS_CELLS * k)  # thin slanting lines are stairs
     return np.asarray(smooth > _STAIRS_LEVEL), float(k)
@@ -189,6 +193,9 @@ def _all_bars(dark: Mask, run: float) -> tuple[FloatArray, FloatArray]:
         lines, halves, covered = _bars(turn.forth(dark), turn.forth(left), run)
         walls.append(turn.point(lines))
         half.append(halves)
+        fruitless = len(half) > _FRUITLESS and not any(map(len, half[-_FRUITLESS:]))
+        if fruitless or sum(map(len, half)) > _MAX_BARS:
+            break
         left &= ~turn.back(covered, (dark.shape[0], dark.shape[1]))
     return np.concatenate(walls), np.concatenate(half)
 
@@ -213,9 +220,14 @@ def _orientation(dark: Mask, seen: FloatArray) -> float | None:
 
 
 def _bars(dark: Mask, left: Mask, run: float) -> tuple[FloatArray, FloatArray, Mask]:
-    """Bars along rows: middle lines (N, 2, 2), half thicknesses (N,), and what they cover."""
+    """Bars along rows: middle lines (N, 2, 2), half thicknesses (N,), and what they cover.
+
+    None where there are too many to be walls.
+    """
     long = ndimage.binary_opening(dark, np.ones((1, max(2, round(run)))))
     labels, count = ndimage.label(long, np.ones((3, 3)))
+    if count > _MAX_BARS:
+        return np.empty((0, 2, 2)), np.empty(0), np.zeros_like(long)
     fresh = ndimage.sum_labels(left, labels, np.arange(count + 1))
     covered = np.zeros(count + 1, np.bool_)
     lines, halves = [], []
