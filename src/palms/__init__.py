@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from palms.floorplan import FloorPlan as FloorPlan
     from palms.floorplan import Room as Room
     from palms.floorplan import SegmentClass as SegmentClass
+    from palms.geodesy import Origin as Origin
     from palms.grid import Grid as Grid
     from palms.heatmap import Candidates as Candidates
     from palms.heatmap import Heatmaps as Heatmaps
@@ -53,6 +54,7 @@ _HOMES = {
     "FloorPlan": "floorplan",
     "Room": "floorplan",
     "SegmentClass": "floorplan",
+    "Origin": "geodesy",
     "Grid": "grid",
     "Move": "odometry",
     "Odometry": "odometry",

@@ -11,10 +11,36 @@ import numpy as np
 import numpy.typing as npt
 
 from palms.errors import InputError
+from palms.geodesy import Origin
 from palms.geometry import FloatArray, as_readonly, bounds, check_points, check_segments, lengths
 from palms.settings import LIMITS
 
-__all__ = ["FloorPlan", "Room", "SegmentClass"]
+__all__ = ["FloorPlan", "Room", "SegmentClass", "likely_factor"]
+
+
+_BUILDING_M = (4.0, 1500.0)  # ours: what a floor may measure when its unit is guessed
+_UNITS = (
+    (0.001, "millimetres"),
+    (0.01, "centimetres"),
+    (0.0254, "inches"),
+    (0.3048, "feet"),
+    (1000.0, "kilometres, or metres read as millimetres"),
+    (100.0, "a drawing at 1:100"),
+)
+
+
+def likely_factor(largest: float) -> str:
+    """Say by what to multiply a plan whose larger side is impossible in metres.
+
+    Examples
+    --------
+    >>> likely_factor(40_000.0), likely_factor(0.04)
+    ('multiply by 0.001 (millimetres?)', 'multiply by 1000 (kilometres, or metres read as ...?)')
+    """
+    for factor, unit in _UNITS:
+        if _BUILDING_M[0] <= largest * factor <= _BUILDING_M[1]:
+            return f"multiply by {factor:g} ({unit}?)"
+    return "multiply by its unit's length in metres"
 
 
 class SegmentClass(IntEnum):
@@ -76,6 +102,9 @@ class FloorPlan:
         Outline of the building, when the format has one.
     name, level : str
         What to call plan and floor.
+    origin : Origin, optional
+        Where on Earth (0, 0) lies, when the format knows; answers then come as longitude and
+        latitude, too.
 
     Raises
     ------
@@ -96,6 +125,7 @@ class FloorPlan:
     outline_m: FloatArray | None = None
     name: str = "plan"
     level: str | None = None
+    origin: Origin | None = None
 
     def __post_init__(self) -> None:
         what = f"floor plan {self.name}"
@@ -125,23 +155,18 @@ class FloorPlan:
         width, height = (float(v) for v in self.size_m)
         largest = max(width, height)
         if largest > LIMITS.max_plan_m:
-            factor = (
-                "0.001 (millimetres?)"
-                if largest < LIMITS.max_plan_m * 1000
-                else "its unit's length"
-            )
             raise InputError(
                 what,
                 expected=f"metres, at most {LIMITS.max_plan_m:g} m wide",
                 got=f"{width:.6g} x {height:.6g}",
-                fix=f"convert it to metres: multiply by {factor}, and remove stray points",
+                fix=f"convert it to metres: {likely_factor(largest)}, and remove stray points",
             )
         if largest < LIMITS.min_plan_m:
             raise InputError(
                 what,
                 expected=f"metres, at least {LIMITS.min_plan_m:g} m wide",
                 got=f"{width:.4g} x {height:.4g}",
-                fix="convert it to metres",
+                fix=f"convert it to metres: {likely_factor(largest)}",
             )
 
     def of_class(self, *wanted: SegmentClass) -> FloatArray:

@@ -13,6 +13,7 @@ from palms import errors
 from palms.belief import Estimate
 from palms.cli.app import app
 from palms.io import FLOORPLANS, ODOMETRY, SCANS, formats
+from palms.io.options import options_of
 from palms.io.track_json import locate_document, track_document
 from palms.places import Place
 from palms.settings import METHODS, Settings
@@ -22,6 +23,7 @@ SETTINGS = DOCS / "reference" / "settings.md"
 COMPARED = DOCS / "explanation" / "paper-code-ours.md"
 COMMANDS = DOCS / "reference" / "commands.md"
 FILES = DOCS / "reference" / "files.md"
+FORMATS = DOCS / "reference" / "formats.md"
 
 
 def every_setting(settings):
@@ -160,9 +162,21 @@ def test_every_file_of_the_sample_is_described():
 
 @pytest.mark.parametrize("group", [FLOORPLANS, SCANS, ODOMETRY])
 def test_every_suffix_that_is_read_is_described(group):
-    text = FILES.read_text()
+    text = FILES.read_text() + FORMATS.read_text()
     for reader in formats(group):
         assert all(suffix in text for suffix in reader.suffixes), reader.name
+
+
+def test_each_format_of_floor_plans_has_its_row():
+    rows = {in_code(row[0]): row for row in table_rows(FORMATS) if len(row) == 5}
+    found = {reader.name: reader for reader in formats(FLOORPLANS)}
+    assert set(rows) - {""} == set(found)
+    for name, reader in found.items():
+        _, files, can, extra, options = rows[name]
+        assert tuple(re.findall(r"`([^`]*)`", files)) == reader.suffixes
+        assert can == ("read, write" if reader.write else "read")
+        assert (in_code(extra) or None) == reader.extra
+        assert re.findall(r"`([^`]*)`", options) == [o.name for o in options_of(reader.read)]
 
 
 def test_the_tree_of_errors_is_complete():

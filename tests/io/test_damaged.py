@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import warnings
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from hypothesis import strategies as st
 
 from palms.errors import PalmsError, PalmsWarning
 from palms.floorplan import FloorPlan, Room, SegmentClass
+from palms.geodesy import Origin
 from palms.io import (
     Label,
     RecordedWalk,
@@ -23,6 +25,7 @@ from palms.io import (
     read_scan_json,
     read_tracking,
     read_walk,
+    write_floorplan,
     write_label,
     write_plan_csv,
     write_scan_json,
@@ -111,3 +114,70 @@ def test_damaged_copies(tmp_path_factory, name, damages):
         assert "\n" not in text
         assert str(folder) in text
         assert isinstance(value, kind | PalmsError)
+
+
+PLANS = {
+    "floor.geojson": "geojson",
+    "floor.imdf.zip": "imdf",
+    "floor.dxf": "dxf",
+    "floor-map.yaml": "ros",
+    "floor-map.png": "ros",
+    "tiny.png": "image",
+}
+
+
+def make_plans(folder: Path) -> None:
+    """Small plans, so that many damaged copies can be read."""
+    square = [[[0, 0], [8, 0]], [[8, 0], [8, 5]], [[8, 5], [0, 5]], [[0, 5], [0, 0]]]
+    door = [[3, 0], [4, 0]]
+    hall = Room("Hall", [[0, 0], [8, 0], [8, 5], [0, 5]])
+    plan = FloorPlan(
+        [*square, door], [0, 0, 0, 3, 1], (hall,), level="2", name="tiny", origin=Origin(30.0, 60.0)
+    )
+    tool = load_tool()
+    tool.ORIGIN = plan.origin
+    write_floorplan(plan, folder / "floor.geojson")
+    tool.write_imdf(plan, folder / "floor.imdf.zip")
+    tool.write_dxf(plan, folder / "floor.dxf")
+    tool.write_ros(plan, folder / "floor-map.yaml")
+    tool.write_image(plan, folder / "tiny.png")
+
+
+def load_tool():
+    path = Path(__file__).parents[2] / "tools" / "make_format_files.py"
+    spec = importlib.util.spec_from_file_location("make_format_files", path)
+    tool = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(tool)
+    return tool
+
+
+@pytest.fixture(scope="module")
+def good_plans(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("plans")
+    make_plans(folder)
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.mark.parametrize("name", PLANS)
+@settings(derandomize=True, deadline=None, max_examples=60)
+@given(damages=st.lists(damage(), min_size=1, max_size=3))
+def test_damaged_copies_of_plans(tmp_path_factory, good_plans, name, damages):
+    folder = tmp_path_factory.getbasetemp() / "damaged-plans"
+    folder.mkdir(exist_ok=True)
+    for each, content in good_plans.items():
+        (folder / each).write_bytes(content)
+    content = good_plans[name]
+    for apply in damages:
+        content = apply(content)
+    (folder / name).write_bytes(content)
+    target = name.replace("map.png", "map.yaml")
+    extra = {"scale": 0.05} if PLANS[name] == "image" else {}
+    for chosen in (PLANS[name], None):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", PalmsWarning)
+            try:
+                value = read_floorplan(folder / target, format=chosen, **extra)
+            except PalmsError as error:
+                value = error
+        assert isinstance(value, FloorPlan | PalmsError)
+        assert "\n" not in str(value) or isinstance(value, FloorPlan)

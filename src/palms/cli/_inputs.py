@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from palms.errors import SettingsError
 
@@ -15,7 +16,17 @@ if TYPE_CHECKING:
     from palms.scan import Scan
     from palms.settings import Settings
 
-__all__ = ["Case", "make_settings", "read_case", "scan_name", "walk_name"]
+__all__ = [
+    "Case",
+    "Source",
+    "make_settings",
+    "read_case",
+    "read_plan",
+    "read_scan",
+    "read_walk",
+    "scan_name",
+    "walk_name",
+]
 
 
 def make_settings(
@@ -72,7 +83,57 @@ class Case:
     walk_name: str
 
 
-def read_case(plan: Path, scan: Path, walk: Path, source: Literal["arkit", "ronin"]) -> Case:
+@dataclass(frozen=True, slots=True)
+class Source:
+    """A file that the user named, the format that it is of, and options for its reader.
+
+    Parameters
+    ----------
+    path : Path
+    format : str, optional
+        Found out when left out.
+    options : sequence of str, optional
+        As ``name=value``.
+    """
+
+    path: Path
+    format: str | None = None
+    options: Sequence[str] | None = None
+
+    def read(self, group: str) -> Any:  # noqa: ANN401
+        """Read it as a floor plan, a scan or a walk."""
+        from palms.io import read_any
+
+        return read_any(group, self.path, self.format, self.options or ())
+
+
+def read_plan(source: Source) -> FloorPlan:
+    """Read a floor plan."""
+    from palms.io import FLOORPLANS
+
+    plan: FloorPlan = source.read(FLOORPLANS)
+    return plan
+
+
+def read_scan(source: Source) -> Scan:
+    """Read a scan."""
+    from palms.io import SCANS
+
+    scan: Scan = source.read(SCANS)
+    return scan
+
+
+def read_walk(source: Source) -> RecordedWalk:
+    """Read a recorded walk."""
+    from palms.io import ODOMETRY
+
+    walk: RecordedWalk = source.read(ODOMETRY)
+    return walk
+
+
+def read_case(
+    plan: Source, scan: Source, walk: Source, odometry: Literal["arkit", "ronin"]
+) -> Case:
     """Read a plan, a scan and a walk, and make sure that scan and walk belong together.
 
     Raises
@@ -80,12 +141,13 @@ def read_case(plan: Path, scan: Path, walk: Path, source: Literal["arkit", "roni
     InputError
         When one of them is at fault, or scan and walk are of different sessions.
     """
-    from palms.io import check_same_session, read_floorplan, read_scan, read_walk
+    from palms.io import check_same_session
 
-    floor, seen, recorded = read_floorplan(plan), read_scan(scan), read_walk(walk)
-    odometry = recorded.odometry(source)
-    check_same_session(seen, odometry)
-    return Case(floor, seen, recorded, odometry, source, scan_name(scan), walk_name(walk))
+    floor, seen, recorded = read_plan(plan), read_scan(scan), read_walk(walk)
+    moves = recorded.odometry(odometry)
+    check_same_session(seen, moves)
+    names = scan_name(scan.path), walk_name(walk.path)
+    return Case(floor, seen, recorded, moves, odometry, *names)
 
 
 def scan_name(path: Path) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -12,11 +12,23 @@ __all__ = [
     "CellSize",
     "Json",
     "Method",
+    "OnePlanFormat",
+    "OnePlanOptions",
+    "OneScanFormat",
+    "OneScanOptions",
+    "OneWalkFormat",
+    "OneWalkOptions",
     "Out",
+    "PlanFormat",
+    "PlanOptions",
     "PlanPath",
     "Png",
+    "ScanFormat",
+    "ScanOptions",
     "ScanPath",
     "Source",
+    "WalkFormat",
+    "WalkOptions",
     "WalkPath",
 ]
 
@@ -30,7 +42,9 @@ class Source(StrEnum):
 
 PlanPath = Annotated[
     Path,
-    typer.Argument(metavar="PLAN", help="Floor plan, such as maps/E2.csv.", show_default=False),
+    typer.Argument(
+        metavar="PLAN", help="Floor plan; palms formats lists what can be read.", show_default=False
+    ),
 ]
 ScanPath = Annotated[
     Path,
@@ -79,3 +93,35 @@ CellSize = Annotated[
         show_default=False,
     ),
 ]  # fmt: skip
+
+
+def _format_option(what: str, *names: str) -> Any:  # noqa: ANN401
+    return typer.Option(
+        *names, metavar="NAME", help=f"Format of the {what}; found out when left out.",
+        show_default=False,
+    )  # fmt: skip
+
+
+def _reader_option(what: str, *names: str) -> Any:  # noqa: ANN401
+    return typer.Option(
+        *names, metavar="NAME=VALUE", help=f"Option for the reader of the {what}. Repeatable.",
+        show_default=False,
+    )  # fmt: skip
+
+
+PlanFormat = Annotated[str | None, _format_option("floor plan", "--plan-format")]
+PlanOptions = Annotated[list[str] | None, _reader_option("floor plan", "--plan-option")]
+ScanFormat = Annotated[str | None, _format_option("scan", "--scan-format")]
+ScanOptions = Annotated[list[str] | None, _reader_option("scan", "--scan-option")]
+WalkFormat = Annotated[str | None, _format_option("walk", "--walk-format")]
+WalkOptions = Annotated[list[str] | None, _reader_option("walk", "--walk-option")]
+
+# Of commands that read one file; --format and --option will do.
+OnePlanFormat = Annotated[str | None, _format_option("floor plan", "--plan-format", "--format")]
+OnePlanOptions = Annotated[
+    list[str] | None, _reader_option("floor plan", "--plan-option", "--option")
+]
+OneScanFormat = Annotated[str | None, _format_option("scan", "--scan-format", "--format")]
+OneScanOptions = Annotated[list[str] | None, _reader_option("scan", "--scan-option", "--option")]
+OneWalkFormat = Annotated[str | None, _format_option("walk", "--walk-format", "--format")]
+OneWalkOptions = Annotated[list[str] | None, _reader_option("walk", "--walk-option", "--option")]

@@ -8,7 +8,18 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from palms.cli._options import CellSize, Json, Method, PlanPath, Png, ScanPath
+from palms.cli._options import (
+    CellSize,
+    Json,
+    Method,
+    PlanFormat,
+    PlanOptions,
+    PlanPath,
+    Png,
+    ScanFormat,
+    ScanOptions,
+    ScanPath,
+)
 from palms.cli._outputs import Speaker, check_file, is_stdout, speaker, table, write_result
 
 if TYPE_CHECKING:
@@ -29,16 +40,21 @@ def locate(
     png: Png = None,
     method: Method = "palms",
     cell_size: CellSize = None,
+    plan_format: PlanFormat = None,
+    plan_option: PlanOptions = None,
+    scan_format: ScanFormat = None,
+    scan_option: ScanOptions = None,
 ) -> None:
     """Tell where one scan may have been taken: places with drift and probability."""
     import palms
     from palms.cli._compiling import announcing
-    from palms.cli._inputs import make_settings, scan_name
+    from palms.cli._inputs import Source, make_settings, read_plan, read_scan, scan_name
     from palms.io.track_json import locate_document
     from palms.places import find_places
 
     settings = make_settings(method, cell_size)
-    floor, seen = palms.read_floorplan(plan), palms.read_scan(scan)
+    floor = read_plan(Source(plan, plan_format, plan_option))
+    seen = read_scan(Source(scan, scan_format, scan_option))
     check_file(json)
     check_file(png)
     say = speaker(json)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from palms.cli._options import Json, Png, ScanPath
+from palms.cli._options import Json, OneScanFormat, OneScanOptions, Png, ScanPath
 from palms.cli._outputs import check_file, describe, speaker, write_result
 
 if TYPE_CHECKING:
@@ -28,24 +28,30 @@ OutPath = Annotated[
 
 
 @app.command(epilog="Example: palms scan info trajectories/E2/walk-1/Session_7")
-def info(scan: ScanPath, json: Json = None) -> None:
+def info(
+    scan: ScanPath,
+    json: Json = None,
+    format: OneScanFormat = None,
+    option: OneScanOptions = None,
+) -> None:
     """Tell what a scan holds: walls, their range, the session, what is seen to be empty."""
-    from palms.cli._inputs import scan_name
-    from palms.io import read_scan
+    from palms.cli._inputs import Source, read_scan, scan_name
 
     check_file(json)
-    facts = {"schema": "palms-scan/1", "scan": scan_name(scan), **_facts(read_scan(scan))}
+    read = read_scan(Source(scan, format, option))
+    facts = {"schema": "palms-scan/1", "scan": scan_name(scan), **_facts(read)}
     describe(_words(facts), json)
     write_result(facts, json)
 
 
 @app.command(epilog="Example: palms scan show trajectories/E2/walk-1/Session_7 --png scan.png")
-def show(scan: ScanPath, png: Png = None) -> None:
+def show(
+    scan: ScanPath, png: Png = None, format: OneScanFormat = None, option: OneScanOptions = None
+) -> None:
     """Draw a scan with its empty space; into <scan>.png when no file is named."""
-    from palms.cli._inputs import scan_name
-    from palms.io import read_scan
+    from palms.cli._inputs import Source, read_scan, scan_name
 
-    seen = read_scan(scan)
+    seen = read_scan(Source(scan, format, option))
     target = png or Path(f"{scan_name(scan)}.png")
     check_file(target)
     _draw(target, seen)
@@ -53,12 +59,15 @@ def show(scan: ScanPath, png: Png = None) -> None:
 
 
 @app.command(epilog="Example: palms scan convert room.json trajectories/house/walk-1/Session_1")
-def convert(scan: ScanPath, out: OutPath) -> None:
+def convert(
+    scan: ScanPath, out: OutPath, format: OneScanFormat = None, option: OneScanOptions = None
+) -> None:
     """Write a scan as planes, as the PALMS data set has them."""
-    from palms.io import read_scan, write_scan_json
+    from palms.cli._inputs import Source, read_scan
+    from palms.io import write_scan_json
 
     _check_out(out)
-    seen = read_scan(scan)
+    seen = read_scan(Source(scan, format, option))
     write_scan_json(seen, out)
     typer.echo(f"Scan: {out}")
 

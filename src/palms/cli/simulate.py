@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from palms.cli._options import Json
+from palms.cli._options import Json, PlanFormat, PlanOptions
 from palms.cli._outputs import check_file, check_folder, is_stdout, progress, speaker, write_result
 
 if TYPE_CHECKING:
+    from palms.cli._inputs import Source
     from palms.evaluation.simulation import CaseSettings
 
 __all__ = ["EXAMPLE", "simulate"]
@@ -115,12 +116,15 @@ def simulate(
         int, typer.Option(metavar="N", min=1, help="Processes, each a building at a time.")
     ] = 1,
     json: Json = None,
+    plan_format: PlanFormat = None,
+    plan_option: PlanOptions = None,
 ) -> None:  # fmt: skip
     """Simulate scans and walks, in a plan's world or in buildings drawn from a seed.
 
     What methods are given has gone stale: walls moved, doors undrawn, the scale off. The
     noise of each case is drawn anew and kept in its nuisances.json.
     """
+    from palms.cli._inputs import Source
     from palms.evaluation.simulation import CaseSettings
 
     _check_usage(plan, building, buildings, (starts, levels))
@@ -134,8 +138,9 @@ def simulate(
     _check_new(out)
     say = speaker(json)
     per_site = [starts // buildings + (k < starts % buildings) for k in range(buildings)]
+    drawn = str(building) if plan is None else Source(plan, plan_format, plan_option)
     tasks = [
-        _Task(plan or str(building), seed + k, levels, (count, walks), settings, double, pictures)
+        _Task(drawn, seed + k, levels, (count, walks), settings, double, pictures)
         for k, count in enumerate(per_site)
     ]
     rows = []
@@ -182,7 +187,7 @@ def _check_new(out: Path) -> None:
 class _Task:
     """A building, and what to simulate in it: `count` starts, and walks from each."""
 
-    source: Path | str
+    source: Source | str
     seed: int
     levels: int
     count: tuple[int, int]
@@ -213,6 +218,7 @@ def _all_written(out: Path, task: _Task) -> list[dict[str, Any]]:
 
 def _written(out: Path, task: _Task) -> Iterator[dict[str, Any]]:
     """Build one building, write its cases, and yield what there is to say of each."""
+    from palms.cli._inputs import Source, read_plan
     from palms.evaluation.simulation import (
         Building,
         Count,
@@ -222,10 +228,9 @@ def _written(out: Path, task: _Task) -> Iterator[dict[str, Any]]:
         simulate_site,
         write_simulated,
     )
-    from palms.io import read_floorplan
 
-    if isinstance(task.source, Path):
-        building = Building((read_floorplan(task.source),))
+    if isinstance(task.source, Source):
+        building = Building((read_plan(task.source),))
     else:
         building = generate_levels(task.source, task.seed, task.levels)
     ranges = NuisanceRanges() if task.double is None else NuisanceRanges().double(task.double)

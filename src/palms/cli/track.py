@@ -8,7 +8,22 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from palms.cli._options import CellSize, Json, Method, Out, PlanPath, ScanPath, Source, WalkPath
+from palms.cli._options import (
+    CellSize,
+    Json,
+    Method,
+    Out,
+    PlanFormat,
+    PlanOptions,
+    PlanPath,
+    ScanFormat,
+    ScanOptions,
+    ScanPath,
+    Source,
+    WalkFormat,
+    WalkOptions,
+    WalkPath,
+)
 from palms.cli._outputs import (
     Speaker,
     check_file,
@@ -60,12 +75,23 @@ def track(
     json: Json = None,
     out: Out = None,
     cell_size: CellSize = None,
+    plan_format: PlanFormat = None,
+    plan_option: PlanOptions = None,
+    scan_format: ScanFormat = None,
+    scan_option: ScanOptions = None,
+    walk_format: WalkFormat = None,
+    walk_option: WalkOptions = None,
 ) -> None:
     """Follow a recorded walk and tell when and where it was localized."""
-    from palms.cli._inputs import make_settings, read_case
+    from palms.cli import _inputs as inputs
 
-    settings = make_settings(method, cell_size, particles)
-    case = read_case(plan, scan, walk, walk_source.value)
+    settings = inputs.make_settings(method, cell_size, particles)
+    case = inputs.read_case(
+        inputs.Source(plan, plan_format, plan_option),
+        inputs.Source(scan, scan_format, scan_option),
+        inputs.Source(walk, walk_format, walk_option),
+        walk_source.value,
+    )
     check_file(json)
     check_folder(out)
     say = speaker(json)

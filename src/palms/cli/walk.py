@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from palms.cli._options import Json, Png, Source, WalkPath
+from palms.cli._options import Json, OneWalkFormat, OneWalkOptions, Png, Source, WalkPath
 from palms.cli._outputs import check_file, describe, write_result
 from palms.errors import OutputError
 
@@ -34,14 +34,20 @@ def walk() -> None:
 
 
 @app.command(epilog="Example: palms walk info trajectories/E2/walk-1")
-def info(walk: WalkPath, json: Json = None) -> None:
+def info(
+    walk: WalkPath,
+    json: Json = None,
+    format: OneWalkFormat = None,
+    option: OneWalkOptions = None,
+) -> None:
     """Tell what a recorded walk holds: samples, length, odometry, references."""
-    from palms.cli._inputs import walk_name
-    from palms.io import ODOMETRY, choose_format, read_walk
+    from palms.cli._inputs import Source as File
+    from palms.cli._inputs import read_walk, walk_name
+    from palms.io import ODOMETRY, choose_format
 
     check_file(json)
-    recorded = read_walk(walk)
-    kind = choose_format(ODOMETRY, walk).name
+    recorded = read_walk(File(walk, format, option))
+    kind = choose_format(ODOMETRY, walk, format).name
     facts = {"schema": "palms-walk/1", "walk": walk_name(walk), "format": kind, **_facts(recorded)}
     describe(
         [
@@ -80,12 +86,18 @@ def _facts(walk: RecordedWalk) -> dict[str, Any]:
 
 
 @app.command(epilog="Example: palms walk show trajectories/E2/walk-1 --png walk-1.png")
-def show(walk: WalkPath, png: Png = None, walk_source: WalkSource = None) -> None:
+def show(
+    walk: WalkPath,
+    png: Png = None,
+    walk_source: WalkSource = None,
+    format: OneWalkFormat = None,
+    option: OneWalkOptions = None,
+) -> None:
     """Draw a walk with its reference; into <walk>.png when no file is named."""
-    from palms.cli._inputs import walk_name
-    from palms.io import read_walk
+    from palms.cli._inputs import Source as File
+    from palms.cli._inputs import read_walk, walk_name
 
-    recorded = read_walk(walk)
+    recorded = read_walk(File(walk, format, option))
     odometry = recorded.odometry(walk_source.value if walk_source else recorded.sources[0])
     target = png or Path(f"{walk_name(walk)}.png")
     check_file(target)
@@ -106,11 +118,14 @@ def convert(
         ),
     ],
     walk_source: WalkSource = None,
+    format: OneWalkFormat = None,
+    option: OneWalkOptions = None,
 ) -> None:
     """Write a walk as a TUM trajectory or as a walk of the PALMS data set, by OUT's ending."""
-    from palms.io import read_walk
+    from palms.cli._inputs import Source as File
+    from palms.cli._inputs import read_walk
 
-    recorded = read_walk(walk)
+    recorded = read_walk(File(walk, format, option))
     check_file(out)
     if walk_source is not None:
         recorded.odometry(walk_source.value)

@@ -35,9 +35,11 @@ from palms.io.registry import (
     Format,
     choose_format,
     formats,
+    read_any,
     read_floorplan,
     read_scan,
     read_walk,
+    write_floorplan,
 )
 from palms.io.tracking import read_tracking, write_tracking
 from palms.io.truth import Truth, read_truth, write_truth
@@ -60,6 +62,7 @@ __all__ = [
     "choose_format",
     "formats",
     "open_dataset",
+    "read_any",
     "read_events",
     "read_floorplan",
     "read_json",
@@ -74,6 +77,7 @@ __all__ = [
     "read_walk",
     "write_case",
     "write_events",
+    "write_floorplan",
     "write_json",
     "write_label",
     "write_plan",

@@ -21,10 +21,12 @@ __all__ = [
     "StrPath",
     "head",
     "make_folder",
+    "read_bytes",
     "read_json",
     "read_text",
     "remove_stale",
     "sniff",
+    "write_bytes",
     "write_json",
     "write_text",
 ]
@@ -87,7 +89,20 @@ def _open_guarded(path: StrPath) -> bytes:
         return file.read(MAX_BYTES + 1)
 
 
-def _read_bytes(path: StrPath) -> bytes:
+def read_bytes(path: StrPath) -> bytes:
+    """Return the content of a file, at most `MAX_BYTES` of it.
+
+    Raises
+    ------
+    InputError
+        When it is missing, a folder, not readable or larger.
+
+    Examples
+    --------
+    >>> read_bytes("no/such/file.png")
+    Traceback (most recent call last):
+    palms.errors.InputError: no/such/file.png: expected a file, got nothing there; check the ...
+    """
     try:
         content = _open_guarded(path)
     except FileNotFoundError:
@@ -134,7 +149,7 @@ def read_text(path: StrPath, expected: str = "text") -> str:
     Traceback (most recent call last):
     palms.errors.InputError: no/such/file.csv: expected a file, got nothing there; check the ...
     """
-    content = _read_bytes(path)
+    content = read_bytes(path)
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -211,6 +226,33 @@ def _output_error(path: StrPath, error: Exception) -> OutputError:
     return OutputError(str(path), expected="a place that can be written", got=got, fix=fix)
 
 
+def write_bytes(path: StrPath, content: bytes) -> None:
+    """Write a file, whole or not at all.
+
+    Raises
+    ------
+    OutputError
+        When it cannot be written; what was there before is still there.
+
+    Examples
+    --------
+    >>> write_bytes("no/such/folder/a.pgm", b"")
+    Traceback (most recent call last):
+    palms.errors.OutputError: no/such/folder/a.pgm: expected a place that can be written, got ...
+    """
+    target = Path(path)
+    part = target.with_name(f".{secrets.token_hex(6)}.part")
+    try:
+        with open(part, "xb") as file:
+            file.write(content)
+        os.replace(part, target)
+    except (OSError, ValueError) as error:
+        raise _output_error(path, error) from None
+    finally:
+        with contextlib.suppress(OSError, ValueError):
+            part.unlink()
+
+
 def write_text(path: StrPath, text: str) -> None:
     r"""Write a text file in UTF-8, whole or not at all.
 
@@ -234,17 +276,11 @@ def write_text(path: StrPath, text: str) -> None:
     ...     read_text(f"{folder}/a.txt")
     '0.5, 1.5, 0\n'
     """
-    target = Path(path)
-    part = target.with_name(f".{secrets.token_hex(6)}.part")
     try:
-        with open(part, "xb") as file:
-            file.write(text.encode("utf-8"))
-        os.replace(part, target)
-    except (OSError, ValueError) as error:
+        content = text.encode("utf-8")
+    except ValueError as error:
         raise _output_error(path, error) from None
-    finally:
-        with contextlib.suppress(OSError, ValueError):
-            part.unlink()
+    write_bytes(path, content)
 
 
 def write_json(path: StrPath, value: object) -> None:

@@ -17,6 +17,7 @@ import numpy as np
 
 from palms.errors import FormatError, PalmsWarning
 from palms.floorplan import FloorPlan, Room, SegmentClass
+from palms.geodesy import Origin
 from palms.geometry import FloatArray
 from palms.io.files import head, read_json, read_text, remove_stale, sniff, write_json, write_text
 from palms.io.registry import Format
@@ -129,13 +130,15 @@ def _classes_of(words: list[str], path: StrPath) -> list[SegmentClass]:
     return [_CLASSES.get(word, SegmentClass.WALL) for word in words]
 
 
-def read_plan_csv(path: StrPath) -> FloorPlan:
+def read_plan_csv(path: StrPath, *, scale: float = 1.0) -> FloorPlan:
     r"""Read a floor plan from CSV, with the rooms beside it.
 
     Parameters
     ----------
     path : path
         The CSV file. ``<stem>.rooms.geojson`` beside it is read, too.
+    scale : float
+        Metres of one unit of the rows, as 0.001 for millimetres.
 
     Raises
     ------
@@ -157,6 +160,7 @@ def read_plan_csv(path: StrPath) -> FloorPlan:
     ('hall', [0, 1])
     """
     segments, words = _parse(read_text(path, _EXPECTED), path)
+    segments = segments * scale
     classes = np.array(_classes_of(words, path), dtype=np.uint8)
     has_length = (segments[:, 0] != segments[:, 1]).any(axis=1)
     if not has_length.all():
@@ -194,7 +198,20 @@ def _read_sidecar(path: Path) -> dict[str, Any]:
             with locating(path):
                 rooms.append(Room(str(properties["name"]), ring))
     level = collection.get("level")
-    return {**found, "rooms": tuple(rooms), "level": None if level is None else str(level)}
+    return {
+        **found,
+        "rooms": tuple(rooms),
+        "level": None if level is None else str(level),
+        "origin": _origin(collection.get("origin"), path),
+    }
+
+
+def _origin(value: object, path: Path) -> Origin | None:
+    if value is None:
+        return None
+    lon, lat = check_array(value, f"{path}, origin", (2,)).tolist()
+    with locating(path):
+        return Origin(lon, lat)
 
 
 def _ring(feature: object, what: str) -> tuple[FloatArray | None, dict[str, Any]]:
@@ -254,11 +271,13 @@ def write_plan_csv(plan: FloorPlan, path: StrPath) -> None:
     features = [_feature(room.polygon_m, name=room.name) for room in plan.rooms]
     if plan.outline_m is not None and len(plan.outline_m):
         features.append(_feature(plan.outline_m, kind="outline"))
-    if not features and plan.level is None:
+    if not features and plan.level is None and plan.origin is None:
         remove_stale(rooms_path(path))
         return
-    level = {} if plan.level is None else {"level": plan.level}
-    write_json(rooms_path(path), {"type": "FeatureCollection", **level, "features": features})
+    known: dict[str, Any] = {} if plan.level is None else {"level": plan.level}
+    if plan.origin is not None:
+        known["origin"] = [plan.origin.lon_deg, plan.origin.lat_deg]
+    write_json(rooms_path(path), {"type": "FeatureCollection", **known, "features": features})
 
 
 def _recognizes(path: Path) -> bool:

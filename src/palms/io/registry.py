@@ -19,13 +19,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from palms.errors import InputError, PalmsError, PalmsWarning
+from palms.errors import InputError, OutputError, PalmsError, PalmsWarning
 from palms.io.files import head, sniff
+from palms.io.options import parse_options
 from palms.io.values import StrPath
 
 if TYPE_CHECKING:
     from palms.floorplan import FloorPlan
     from palms.io.walk import RecordedWalk
+    from palms.odometry import Odometry
     from palms.scan import Scan
 
 __all__ = [
@@ -36,9 +38,11 @@ __all__ = [
     "Format",
     "choose_format",
     "formats",
+    "read_any",
     "read_floorplan",
     "read_scan",
     "read_walk",
+    "write_floorplan",
 ]
 
 FLOORPLANS = "palms.floorplans"
@@ -46,15 +50,13 @@ SCANS = "palms.scans"
 ODOMETRY = "palms.odometry"
 
 BUILT_IN: dict[str, tuple[str, ...]] = {
-    FLOORPLANS: ("palms.io.plan_csv:FORMAT",),
-    ODOMETRY: (
-        "palms.io.tracking:FORMAT",
-        "palms.io.tum:FORMAT",
-        "palms.io.poses:FORMAT",
-        "palms.io.android:FORMAT",
-        "palms.io.sensor_logger:FORMAT",
-        "palms.io.ronin:FORMAT",
-        "palms.io.step_heading:FORMAT",
+    FLOORPLANS: (
+        "palms.io.plan_csv:FORMAT",
+        "palms.io.plan_geojson:FORMAT",
+        "palms.io.plan_imdf:FORMAT",
+        "palms.io.plan_image:FORMAT",
+        "palms.io.plan_ros:FORMAT",
+        "palms.io.plan_dxf:FORMAT",
     ),
     SCANS: (
         "palms.io.planes:FORMAT",
@@ -68,6 +70,15 @@ BUILT_IN: dict[str, tuple[str, ...]] = {
         "palms.io.stray_scanner:FORMAT",
         "palms.io.las:FORMAT",
         "palms.io.e57:FORMAT",
+    ),
+    ODOMETRY: (
+        "palms.io.tracking:FORMAT",
+        "palms.io.tum:FORMAT",
+        "palms.io.poses:FORMAT",
+        "palms.io.android:FORMAT",
+        "palms.io.sensor_logger:FORMAT",
+        "palms.io.ronin:FORMAT",
+        "palms.io.step_heading:FORMAT",
     ),
 }
 _WHAT = {FLOORPLANS: "floor plan", SCANS: "scan", ODOMETRY: "walk"}
@@ -223,12 +234,42 @@ def choose_format(group: str, path: StrPath, name: str | None = None) -> Any:  #
     got = "a folder" if place.is_dir() else sniff(head(place)) if head(place) else "an empty file"
     raise InputError(
         str(path), expected=f"a {_WHAT[group]} as {_listed(readers)}", got=got,
-        fix="convert it, or name its format",
+        fix="convert it, or name its format; palms formats tells more",
     )  # fmt: skip
 
 
-def _read(group: str, path: StrPath, name: str | None, options: dict[str, Any]) -> Any:  # noqa: ANN401
+def read_any(group: str, path: StrPath, name: str | None = None, texts: Sequence[str] = ()) -> Any:  # noqa: ANN401
+    """Read a file of a group with options given as text, as the command line has them.
+
+    Parameters
+    ----------
+    group : str
+        `FLOORPLANS`, `SCANS` or `ODOMETRY`.
+    path : path
+        The file or folder.
+    name : str, optional
+        Name of its format; found out when left out.
+    texts : sequence of str
+        Options for the reader of that format, as ``scale=0.02``.
+
+    Raises
+    ------
+    InputError
+        As `read_floorplan`; also for an option that the format does not have.
+
+    Examples
+    --------
+    >>> read_any(FLOORPLANS, "hall.csv", "csv", ["colour=red"])
+    Traceback (most recent call last):
+    palms.errors.InputError: option of format csv: expected ..., got 'colour'
+    """
     reader = choose_format(group, path, name)
+    options = parse_options(reader.read, texts, f"option of format {reader.name}")
+    value = _read(reader, group, path, options)
+    return _recorded(value, path) if group == ODOMETRY else value
+
+
+def _read(reader: Any, group: str, path: StrPath, options: dict[str, Any]) -> Any:  # noqa: ANN401
     try:
         inspect.signature(reader.read).bind(path, **options)
     except TypeError as error:
@@ -274,8 +315,43 @@ def read_floorplan(path: StrPath, *, format: str | None = None, **options: Any) 
     ...     read_floorplan(f"{folder}/hall.csv").size_m.tolist()
     [8.0, 5.0]
     """
-    plan: FloorPlan = _read(FLOORPLANS, path, format, options)
+    reader = choose_format(FLOORPLANS, path, format)
+    plan: FloorPlan = _read(reader, FLOORPLANS, path, options)
     return plan
+
+
+def write_floorplan(plan: FloorPlan, path: StrPath, *, format: str | None = None) -> None:
+    """Write a floor plan in the format that the file's name ends for.
+
+    Parameters
+    ----------
+    plan : FloorPlan
+    path : path
+        The file; replaced when it exists. Its folder must exist.
+    format : str, optional
+        Name of the format, when the name of the file does not tell.
+
+    Raises
+    ------
+    OutputError
+        When no format that can be written fits, or the file cannot be written.
+
+    Examples
+    --------
+    >>> from palms.floorplan import FloorPlan
+    >>> write_floorplan(FloorPlan([[[0, 0], [8, 0]]]), "hall.dwg")
+    Traceback (most recent call last):
+    palms.errors.OutputError: hall.dwg: expected a name that ends in ..., got 'hall.dwg'
+    """
+    writers = [r for r in formats(FLOORPLANS) if getattr(r, "write", None) is not None]
+    place = Path(path)
+    fitting = [r for r in writers if (r.name == format if format else _has_suffix(r, place))]
+    if not fitting:
+        known = " or ".join(f"{r.suffixes[0]} ({r.name})" for r in writers)
+        raise OutputError(
+            str(path), expected=f"a name that ends in {known}", got=repr(format or place.name)
+        )
+    fitting[0].write(plan, path)
 
 
 def read_scan(path: StrPath, *, format: str | None = None, **options: Any) -> Scan:  # noqa: ANN401
@@ -304,7 +380,8 @@ def read_scan(path: StrPath, *, format: str | None = None, **options: Any) -> Sc
     ...     read_scan(f"{folder}/scan.json").walls_m.tolist()
     [[[2.0, -2.5], [2.0, 0.5]]]
     """
-    scan: Scan = _read(SCANS, path, format, options)
+    reader = choose_format(SCANS, path, format)
+    scan: Scan = _read(reader, SCANS, path, options)
     return scan
 
 
@@ -335,11 +412,12 @@ def read_walk(path: StrPath, *, format: str | None = None, **options: Any) -> Re
     ...     read_walk(f"{folder}/walk.json").odometry("arkit").position_m.tolist()
     [[1.0, 0.0], [2.0, 0.0]]
     """
+    reader = choose_format(ODOMETRY, path, format)
+    return _recorded(_read(reader, ODOMETRY, path, options), path)
+
+
+def _recorded(walk: RecordedWalk | Odometry, path: StrPath) -> RecordedWalk:
     from palms.io.walk import RecordedWalk
     from palms.odometry import Odometry
 
-    walk = _read(ODOMETRY, path, format, options)
-    if isinstance(walk, Odometry):
-        walk = RecordedWalk.of(walk, path=Path(path))
-    recorded: RecordedWalk = walk
-    return recorded
+    return RecordedWalk.of(walk, path=Path(path)) if isinstance(walk, Odometry) else walk

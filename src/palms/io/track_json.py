@@ -15,6 +15,7 @@ from typing import Any
 
 from palms.belief import Estimate
 from palms.floorplan import FloorPlan
+from palms.geodesy import Origin
 from palms.geometry import wrap_angle
 from palms.io.files import write_json
 from palms.io.values import StrPath
@@ -67,7 +68,7 @@ def track_document(
         **names,
         "settings": settings_document(settings),
         "versions": versions(),
-        "trials": [_trial(track) for track in tracks],
+        "trials": [_trial(track, plan.origin) for track in tracks],
     }
 
 
@@ -126,12 +127,20 @@ def locate_document(
                 "p": _probability(place.p),
                 "level": plan.level,
                 "room": plan.room_at((place.x_m, place.y_m)),
+                **_on_earth(place, plan),
             }
             for place in places
         ],
         "settings": settings_document(settings),
         "versions": versions(),
     }
+
+
+def _on_earth(place: Place, plan: FloorPlan) -> dict[str, float]:
+    if plan.origin is None:
+        return {}
+    lon, lat = lonlat(plan.origin, (place.x_m, place.y_m))
+    return {"lon": lon, "lat": lat}
 
 
 def settings_document(settings: Settings) -> dict[str, Any]:
@@ -177,13 +186,36 @@ def _plain(value: Any) -> Any:  # noqa: ANN401
     return value if isinstance(value, str | int | float | None) else str(value)
 
 
-def _trial(track: Track) -> dict[str, Any]:
+def _trial(track: Track, origin: Origin | None) -> dict[str, Any]:
     return {
         "seed": track.seed,
         "oriented_at_s": _number(track.oriented_at_s),
         "localized_at_s": _number(track.localized_at_s),
-        "steps": _steps(track.estimates),
+        "steps": _steps(track.estimates) | _places_on_earth(track.estimates, origin),
     }
+
+
+def _places_on_earth(
+    estimates: Sequence[Estimate], origin: Origin | None
+) -> dict[str, list[float | None]]:
+    """Longitudes and latitudes, where the plan knows its place on Earth; else nothing."""
+    if origin is None:
+        return {}
+    points = [_point(estimate) for estimate in estimates]
+    found = [(None, None) if x is None else lonlat(origin, (x, y or 0.0)) for x, y in points]
+    return {"lon": [lon for lon, _ in found], "lat": [lat for _, lat in found]}
+
+
+def lonlat(origin: Origin, point_m: tuple[float, float]) -> tuple[float, float]:
+    """Longitude and latitude in degrees of a point of the map, to a millimetre.
+
+    Examples
+    --------
+    >>> lonlat(Origin(30.38, 60.007), (0.0, 0.0))
+    (30.38, 60.007)
+    """
+    lon, lat = (round(float(v), 8) for v in origin.to_lonlat(point_m))
+    return lon, lat
 
 
 def _steps(estimates: Sequence[Estimate]) -> dict[str, list[Any]]:

@@ -1,0 +1,49 @@
+"""The sample floor in every format, and how far plans are apart."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from palms.floorplan import FloorPlan
+from palms.geometry import FloatArray, distance_to_segments, lengths
+from palms.io import FLOORPLANS, read_any, read_floorplan
+from palms.sample import sample_folder
+
+DATA = Path(__file__).parent / "data"
+ORIGIN = "origin=-122.0632,36.9996"
+FILES = {
+    "floor.geojson": (ORIGIN,),
+    "floor-metres.geojson": (),
+    "floor.imdf.zip": (ORIGIN,),
+    "floor-picture.png": ("scale=0.05",),
+    "floor-map.yaml": (),
+    "floor.dxf": (),
+}
+RASTER = {"floor-picture.png": 1.0, "floor-map.yaml": 0.0}  # the margin in the file, in metres
+
+
+def sample() -> FloorPlan:
+    return read_floorplan(sample_folder() / "maps" / "sample.csv")
+
+
+def read_file(name: str, folder: Path = DATA) -> FloorPlan:
+    return read_any(FLOORPLANS, folder / name, None, FILES[name])
+
+
+def along(segments: FloatArray, step_m: float = 0.5) -> FloatArray:
+    pieces = [
+        a + np.linspace(0, 1, max(2, int(np.hypot(*(b - a)) / step_m)))[:, None] * (b - a)
+        for a, b in segments
+    ]
+    return np.concatenate(pieces)
+
+
+def apart_m(points: FloatArray, segments: FloatArray) -> FloatArray:
+    """Distance of each point from the nearest segment."""
+    return np.array([distance_to_segments(point, segments).min() for point in points])
+
+
+def length_m(segments: FloatArray) -> float:
+    return float(lengths(segments).sum())

@@ -1,0 +1,85 @@
+"""Real floor plans, where the public data is at hand (PALMS_DATA or ../shared/data)."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from palms.errors import InputError
+from palms.floorplan import SegmentClass
+from palms.io import FLOORPLANS, read_any, read_floorplan
+from tests.io.floors import along, apart_m, length_m
+
+DEFAULT = Path(__file__).parents[3] / "shared" / "data"
+DATA = Path(os.environ.get("PALMS_DATA", DEFAULT))
+
+pytestmark = pytest.mark.skipif(
+    not (DATA / "westport").is_dir(), reason=f"no plans in {DATA}; set PALMS_DATA"
+)
+
+
+@pytest.mark.parametrize(("floor", "doors"), [("gf", 36), ("3", 122), ("4", 122)])
+def test_an_office_with_doors_and_windows(floor, doors):
+    plan = read_floorplan(DATA / "westport" / f"floor-{floor}.geojson.gz")
+    known = np.loadtxt(
+        DATA / "westport" / f"walls_{floor}.csv", delimiter=",", skiprows=1, usecols=range(4)
+    )
+    extent = np.ptp(known.reshape(-1, 2), axis=0)  # the outline too, which is no wall
+    assert (plan.size_m <= 1.003 * extent).all()  # theirs are metres of a sphere
+    assert (plan.size_m >= 0.7 * extent).all()
+    assert abs(len(plan.of_class(SegmentClass.DOOR)) - doors) <= 6
+    assert length_m(plan.of_class(SegmentClass.GLASS)) > 30
+
+
+def test_the_levels_of_a_university():
+    folder = DATA / "imdf_spbstu"
+    listed = json.loads((folder / "levels.json").read_text())
+    with pytest.raises(InputError, match="8 that fit"):
+        read_floorplan(folder)
+    for level in listed:
+        plan = read_floorplan(folder, level=level["level"], language="en")
+        assert plan.level == level["name"]
+        assert plan.name == level["building"]
+        known = np.loadtxt(folder / level["file"], delimiter=",", skiprows=1).reshape(-1, 2, 2)
+        extent = np.array(level["extent"])  # of the level's outline, which is no wall, too
+        assert (plan.size_m <= extent + 0.05).all()
+        assert (plan.size_m >= 0.85 * extent).all()
+        assert abs(len(plan.of_class(SegmentClass.DOOR)) - level["openings"]) <= 2
+        assert length_m(plan.blocking_m) < length_m(known)  # there, shared edges count twice
+
+
+def mall(floor: str):
+    """Plans of the same floor from its GeoJSON and its picture, in the mall's frame."""
+    folder = DATA / "mall" / floor
+    size = json.loads((folder / "floor_info.json").read_text())["map_info"]
+    drawn = read_floorplan(folder / "geojson_map.json")
+    from PIL import Image
+
+    with Image.open(folder / "floor_image.png") as picture:
+        scale = size["width"] / picture.width
+    seen = read_any(FLOORPLANS, folder / "floor_image.png", None, [f"scale={scale}"])
+    low, high = drawn.bounds_m
+    stretched = (drawn.segments_m - low) / (high - low) * [size["width"], size["height"]]
+    return stretched, seen.segments_m, scale
+
+
+@pytest.mark.parametrize("floor", ["F2", "F3", "F4"])
+def test_the_mall_and_its_picture_agree(floor):
+    """A thumbnail of 0.3 m a pixel with names all over it: two pixels, for most of the walls."""
+    drawn, seen, pixel_m = mall(floor)
+    found = apart_m(along(drawn, 1.0), seen)
+    spurious = apart_m(along(seen, 1.0), drawn)
+    assert np.mean(found < 2 * pixel_m) > 0.6
+    assert np.mean(spurious < 2 * pixel_m) > 0.7
+
+
+@pytest.mark.parametrize("floor", ["F2", "F3", "F4"])
+def test_the_mall_has_the_walls_that_are_known(floor):
+    known = np.loadtxt(DATA / "mall" / floor / "walls.csv", delimiter=",", skiprows=1)
+    drawn, _, _ = mall(floor)
+    assert np.quantile(apart_m(along(known.reshape(-1, 2, 2), 1.0), drawn), 0.99) < 0.1
+    assert np.quantile(apart_m(along(drawn, 1.0), known.reshape(-1, 2, 2)), 0.95) < 0.05
