@@ -11,7 +11,7 @@ from palms.geometry import FloatArray, distance_to_segments, lengths
 from palms.io import FLOORPLANS, read_any, read_floorplan
 from palms.sample import sample_folder
 
-DATA = Path(__file__).parent / "data"
+DATA = Path(__file__).parent / "data" / "plans"
 ORIGIN = "origin=-122.0632,36.9996"
 FILES = {
     "floor.geojson": (ORIGIN,),

@@ -144,8 +144,8 @@ def make_plans(folder: Path) -> None:
 
 
 def load_tool():
-    path = Path(__file__).parents[2] / "tools" / "make_format_files.py"
-    spec = importlib.util.spec_from_file_location("make_format_files", path)
+    path = Path(__file__).parents[2] / "tools" / "make_plan_files.py"
+    spec = importlib.util.spec_from_file_location("make_plan_files", path)
     tool = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(tool)
     return tool

@@ -65,8 +65,8 @@ def test_rooms_origin_and_level_are_there(name):
 
 
 def test_the_files_are_what_the_tool_writes(tmp_path):
-    path = Path(__file__).parents[2] / "tools" / "make_format_files.py"
-    spec = importlib.util.spec_from_file_location("make_format_files", path)
+    path = Path(__file__).parents[2] / "tools" / "make_plan_files.py"
+    spec = importlib.util.spec_from_file_location("make_plan_files", path)
     tool = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = tool
     try:

@@ -4,6 +4,7 @@ from matplotlib.collections import LineCollection
 
 from palms import Estimate, FloorPlan, InputError, OutputError, Stage, Track
 from palms.heatmap import find_candidates, match
+from palms.io.files import write_bytes
 from palms.places import find_places
 from palms.plot import (
     Story,
@@ -14,7 +15,6 @@ from palms.plot import (
     plan_figure,
     stages_figure,
     track_figure,
-    write_bytes,
     write_figure,
 )
 from palms.plot.empty_space import length_m, right_match, walls_inside, wrong_match

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from palms.plot.candidates import candidates_figure as candidates_figure
     from palms.plot.empty_space import empty_space_figure as empty_space_figure
     from palms.plot.output import image_bytes as image_bytes
-    from palms.plot.output import write_bytes as write_bytes
     from palms.plot.output import write_figure as write_figure
     from palms.plot.pipeline import pipeline_figure as pipeline_figure
     from palms.plot.plans import plan_figure as plan_figure
@@ -60,7 +59,6 @@ _HOMES = {
     "walk_figure": "walks",
     "write_album": "album",
     "write_animation": "animation",
-    "write_bytes": "output",
     "write_figure": "output",
     "write_report": "report",
 }

@@ -11,6 +11,7 @@ import numpy as np
 
 from palms.geometry import FloatArray
 from palms.heatmap import Heatmaps
+from palms.io.files import write_bytes
 from palms.places import Place, find_places
 from palms.plot.animation import animation_bytes
 from palms.plot.candidates import candidates_figure
@@ -21,7 +22,7 @@ from palms.plot.empty_space import (
     walls_inside,
     wrong_match,
 )
-from palms.plot.output import image_bytes, write_bytes
+from palms.plot.output import image_bytes
 from palms.plot.pipeline import pipeline_figure
 from palms.plot.plans import plan_figure
 from palms.plot.stages import moment_words, moments_of, stages_figure

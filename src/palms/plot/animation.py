@@ -17,7 +17,7 @@ from PIL import Image
 
 from palms.belief import Stage
 from palms.errors import InputError
-from palms.plot.output import write_bytes
+from palms.io.files import write_bytes
 from palms.plot.plans import draw_plan, figure_size
 from palms.plot.recorder import Snapshot
 from palms.plot.stages import moment_words

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import contextlib
 import io
 import os
-import secrets
 from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
 
 from palms.errors import OutputError
+from palms.io.files import write_bytes
 from palms.plot.style import styled
 
-__all__ = ["image_bytes", "write_bytes", "write_figure"]
+__all__ = ["image_bytes", "write_figure"]
 
 _METADATA: dict[str, dict[str, Any]] = {
     "png": {"Software": None},
@@ -76,41 +75,3 @@ def write_figure(path: str | os.PathLike[str], figure: Figure, dpi: float = 150.
             got=f"'.{kind}'" if kind else "no ending",
         )
     write_bytes(path, image_bytes(figure, kind, dpi))
-
-
-def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
-    """Write a file, whole or not at all.
-
-    Parameters
-    ----------
-    path : path
-        The file; replaced when it exists. Its folder must exist.
-    content : bytes
-
-    Raises
-    ------
-    OutputError
-        When it cannot be written; what was there before is still there.
-
-    Examples
-    --------
-    >>> write_bytes("no/such/folder/a.gif", b"")
-    Traceback (most recent call last):
-    palms.errors.OutputError: no/such/folder/a.gif: expected a place that can be written, got ...
-    """
-    target = Path(path)
-    part = target.with_name(f".{secrets.token_hex(6)}.part")
-    try:
-        with open(part, "xb") as file:
-            file.write(content)
-        os.replace(part, target)
-    except (OSError, ValueError) as error:
-        raise OutputError(
-            str(path),
-            expected="a place that can be written",
-            got=getattr(error, "strerror", None) or str(error),
-            fix="check the name, the folder and the rights",
-        ) from None
-    finally:
-        with contextlib.suppress(OSError, ValueError):
-            part.unlink()

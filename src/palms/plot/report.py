@@ -15,8 +15,8 @@ from typing import Final
 import numpy as np
 
 from palms.belief import Estimate
+from palms.io.files import write_bytes
 from palms.plot.album import Picture, make_album
-from palms.plot.output import write_bytes
 from palms.plot.page import html_page
 from palms.plot.recorder import MOMENTS
 from palms.plot.story import Story

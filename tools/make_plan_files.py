@@ -1,7 +1,7 @@
 """Write the sample building's floor in every format of floor plans, for the tests.
 
-Run it after a change of the sample or of a writer: ``python tools/make_format_files.py``. It
-rewrites ``tests/io/data``; ``--out FOLDER`` writes elsewhere. The same bytes every time.
+Run it after a change of the sample or of a writer: ``python tools/make_plan_files.py``. It
+rewrites ``tests/io/data/plans``; ``--out FOLDER`` writes elsewhere. The same bytes every time.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from palms import FloorPlan, Origin, SegmentClass, read_floorplan
 from palms.io import write_floorplan
 from palms.sample import sample_folder
 
-DATA = Path(__file__).resolve().parents[1] / "tests" / "io" / "data"
+DATA = Path(__file__).resolve().parents[1] / "tests" / "io" / "data" / "plans"
 ORIGIN = Origin(-122.0632, 36.9996)
 SCALE_M = 0.05  # metres per pixel of the picture
 MARGIN_M = 1.0
