@@ -271,7 +271,9 @@ class MotionSettings:
             hit_weight=(0 <= self.hit_weight <= 1, "0 to 1", self.hit_weight),
             scale_sd=(0 <= self.scale_sd <= 0.3, "0 to 0.3", self.scale_sd),
             drift_rate_rad_per_s=(
-                self.drift_rate_rad_per_s >= 0, "0 or more", self.drift_rate_rad_per_s
+                self.drift_rate_rad_per_s >= 0,
+                "0 or more",
+                self.drift_rate_rad_per_s,
             ),
             scale_per_sqrt_m=(self.scale_per_sqrt_m >= 0, "0 or more", self.scale_per_sqrt_m),
         )

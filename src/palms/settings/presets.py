@@ -108,7 +108,8 @@ class Settings:
     def uniform(cls) -> Settings:
         """Return paper IV-B, Uniform: everywhere, with any drift; step 1 by dispersion."""
         return replace(
-            cls.paper(), method="uniform",
+            cls.paper(),
+            method="uniform",
             start=StartSettings(source="uniform"),
             convergence=ConvergenceSettings(step1="dispersion"),
         )
@@ -116,9 +117,7 @@ class Settings:
     @classmethod
     def uniform_ori(cls) -> Settings:
         """Return paper IV-B, Uniform + Ori: four drifts, from the plan and the first moves."""
-        return replace(
-            cls.paper(), method="uniform-ori", start=StartSettings(source="uniform-ori")
-        )
+        return replace(cls.paper(), method="uniform-ori", start=StartSettings(source="uniform-ori"))
 
     @classmethod
     def no_scan(cls) -> Settings:
