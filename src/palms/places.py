@@ -44,7 +44,7 @@ def find_places(candidates: Candidates, separation_m: float = SEPARATION_M) -> t
 
     Going down the scores, a cell that no peak has within `separation_m` becomes a peak; every
     other cell belongs to the nearest of the peaks before it. A drift that differs by
-    `SEPARATION_RAD` counts as far as `separation_m`.
+    `SEPARATION_RAD` counts as far as `separation_m`. Cells of hardly any share are left out.
 
     Parameters
     ----------
