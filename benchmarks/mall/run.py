@@ -38,7 +38,7 @@ class Plan:
             for index in range(len(recorded[floor][: self.walks]))
             for frame in self.frames
             for method in self.methods
-            if frame == "scan" or Settings.for_method(method).start.source == "scan"
+            if frame == "scan" or Settings.for_method(method).start.by_scan
         ]
 
 

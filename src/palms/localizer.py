@@ -41,7 +41,6 @@ __all__ = ["Localizer", "Track", "Watcher", "locate", "track", "track_trials"]
 Watcher = Callable[[Estimate, Belief, MoveInfo], None]
 _START = 0  # key of the start; step i has key i + 1
 _SEARCH, _SCAN, _ADAPT, _HINT = 21, 22, 23, 24  # purposes of random numbers
-_BY_SCAN = ("scan", "posterior")
 
 
 @dataclass(frozen=True)
@@ -141,7 +140,7 @@ def track(
     settings = settings or Settings()
     raster = _raster(plan, settings)
     localizer = Localizer(raster, settings, rng, odometry.frame == "own", watch, odometry.source)
-    if scan is not None and settings.start.source in _BY_SCAN:
+    if scan is not None and settings.start.by_scan:
         localizer.observe(scan, odometry.start_m)
     estimates = tuple(localizer.move(move) for move in odometry.moves())
     return Track(int(rng) if isinstance(rng, (int, np.integer)) else None, estimates)
@@ -166,7 +165,7 @@ def track_trials(
         Threads; the tracks do not depend on it.
     """
     raster = _raster(plan, settings)
-    needs_scan = scan is not None and settings.start.source in _BY_SCAN
+    needs_scan = scan is not None and settings.start.by_scan
     candidates = locate(raster, scan, settings) if scan is not None and needs_scan else None
 
     def follow(seed: int) -> Track:
@@ -252,7 +251,7 @@ class Localizer:
         at_m : array_like (2,), optional
             Where the phone is now, in the odom frame; the scan's position when left out.
         """
-        if self.settings.start.source not in _BY_SCAN:
+        if not self.settings.start.by_scan:
             return self.estimate
         return self.start(locate(self.raster, scan, self.settings), scan, at_m)
 

@@ -72,7 +72,7 @@ def _details(story: Story, case: Case) -> Details:
 def tell_story(case: Case, settings: Settings, seed: int) -> Story:
     """Track a walk as `follow` does, the same to the bit, and keep what pictures need."""
     raster = rasterize(case.plan, settings.raster)
-    recorder, by_scan = Recorder(), settings.start.source in ("scan", "posterior")
+    recorder, by_scan = Recorder(), settings.start.by_scan
     answers = track(raster, case.scan, case.odometry, settings, seed, recorder)
     return Story(
         raster,

@@ -204,6 +204,17 @@ class StartSettings:
             spare_share=(0 <= self.spare_share < 1, "0 to below 1", self.spare_share),
         )
 
+    @property
+    def by_scan(self) -> bool:
+        """Whether a scan decides where particles start.
+
+        Examples
+        --------
+        >>> StartSettings().by_scan, StartSettings(source="uniform").by_scan
+        (True, False)
+        """
+        return self.source in ("scan", "posterior")
+
 
 @dataclass(frozen=True, slots=True)
 class MotionSettings:
