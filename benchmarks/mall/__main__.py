@@ -36,7 +36,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     content = as_json(plan)
     trials = shared.watched(run(plan, options.jobs), len(plan.tasks()), "walks")
     walks = len({trial["walk"] for trial in trials})
-    title = f"Mall, {walks} walks on {', '.join(plan.floors)}, {plan.seeds} seeds"
+    seeds = "1 seed" if plan.seeds == 1 else f"{plan.seeds} seeds"
+    title = f"Mall, {walks} walks on {', '.join(plan.floors)}, {seeds}"
     texts = (title, markdown(trials, title), digest(trials))
     shared.write(options, {**content, "trials": trials}, texts, "mall")
     return 0
