@@ -65,10 +65,21 @@ def test_walking_where_the_belief_allows_takes_the_doubt_away():
     assert belief.stage is Stage.LOCALIZED
 
 
+def test_many_small_moves_into_walls_leave_an_answer():
+    belief = after(crowd(1000))
+    for _ in range(200):
+        hit = MoveInfo(1000, 0, 100.0, math.log(0.03))
+        belief = judge(belief, belief.particles, 0.05, hit, OURS)
+        estimate = summarize(belief, 1.0, None)
+    assert estimate.stage is Stage.LOST
+    assert 0 < estimate.p_within_2m < 1e-3
+    assert np.isfinite(estimate.radius_95_m)
+
+
 def test_doubt_is_bayes_rule():
     odds = 0.2 / 0.8 * math.exp(0.7)
     assert doubted(0.2, -0.7, OURS) == pytest.approx(odds / (1 + odds))
-    assert doubted(0.999999, -1e6, OURS) <= 1
+    assert doubted(doubted(0.9, -1e6, OURS), -1e6, OURS) < 1
     assert doubted(0.0, 0.0, OURS) == OURS.doubt_floor
 
 

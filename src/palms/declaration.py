@@ -21,6 +21,7 @@ __all__ = ["doubted", "judge"]
 
 NEAR_M = 2.0  # ours: what p_within_2m asks
 DRIFT_BINS = 72  # ours: 5 degrees each
+MOST_DOUBT = 1 - 1e-6  # ours: nothing is impossible, and probabilities divide by the rest
 
 
 def judge(
@@ -66,8 +67,8 @@ def doubted(doubt: float, nats: float, settings: DeclarationSettings) -> float:
     """
     if doubt <= 0:
         return settings.doubt_floor
-    odds = doubt / max(1 - doubt, 1e-12) * math.exp(min(max(-nats, -50.0), 50.0))
-    return max(odds / (1 + odds), settings.doubt_floor)
+    odds = doubt / (1 - doubt) * math.exp(min(max(-nats, -50.0), 50.0))
+    return min(max(odds / (1 + odds), settings.doubt_floor), MOST_DOUBT)
 
 
 def _stage(belief: Belief, settings: DeclarationSettings) -> Stage:

@@ -115,13 +115,14 @@ def take_hint(
         belief.particles, hint.ratio(belief.particles.position_m, raster)
     )  # fmt: skip
     doubt = doubted(belief.doubt, kept, settings.declaration)
+    left = max(doubt * (1 - hint.probability), settings.declaration.doubt_floor)
     others = _others(particles, sighting, conditions, key)
     others, _ = reweight(others, hint.ratio(others.position_m, raster))
     wider = adapted(
         mixed(particles, others, doubt), raster, settings.resampling,
         settings.start.n_particles, key,
     )  # fmt: skip
-    return judge(replace(belief, doubt=doubt), wider, 0.0, None, settings.declaration)
+    return judge(replace(belief, doubt=left), wider, 0.0, None, settings.declaration)
 
 
 def look_again(
