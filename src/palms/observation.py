@@ -20,20 +20,19 @@ from scipy import ndimage
 from palms._compiled import observation as loops
 from palms._compiled import raster as cells
 from palms._compiled import select
-from palms.floorplan import FloorPlan, SegmentClass
-from palms.geometry import FloatArray, as_readonly, directions, lengths, wrap_angle
+from palms.floorplan import SegmentClass
+from palms.geometry import FloatArray, as_readonly
 from palms.grid import Grid
 from palms.heatmap import Candidates
+from palms.orientation import likely_drifts
 from palms.raster import PlanRaster
 from palms.scan import Scan
 from palms.settings import ObservationSettings
 
-__all__ = ["ScanPoints", "Sight", "likely_drifts", "log_likelihood", "scan_points", "search", "see"]
+__all__ = ["ScanPoints", "Sight", "log_likelihood", "scan_points", "search", "see"]
 
 BEARINGS = 360  # ours: empty space is known for every degree
 ERODE = 2  # ours: bearings on either side that must be free as well
-BIN_RAD = math.radians(2.0)  # ours: bins of the histograms of wall directions
-SMOOTH_RAD = math.radians(4.0)  # ours: walls of plan and scan agree to about this
 OF_CLASS = {  # ours: what a wall of a class may explain, and what it counts in empty space
     SegmentClass.WALL: (1.0, 1.0),
     SegmentClass.DOOR: (0.5, 0.0),  # shut or open
@@ -236,45 +235,6 @@ def log_likelihood(
     return np.asarray(walls - settings.empty_nats_per_m * empty)
 
 
-def likely_drifts(scan: Scan, plan: FloorPlan, settings: ObservationSettings) -> FloatArray:
-    """Return the drifts all around that turn the scan's walls along some of the plan's.
-
-    Correlation of the two histograms of wall directions, by metres.
-
-    Parameters
-    ----------
-    scan : Scan
-    plan : FloorPlan
-    settings : ObservationSettings
-
-    Returns
-    -------
-    (K,) in (-pi, pi]
-        Multiples of `drift_step_rad`.
-
-    Examples
-    --------
-    >>> room = [[[0, 0], [6, 0]], [[6, 0], [6, 4]], [[6, 4], [0, 4]], [[0, 4], [0, 0]]]
-    >>> drifts = likely_drifts(Scan(room, (3, 2)), FloorPlan(room), ObservationSettings())
-    >>> sorted(set(((np.degrees(drifts) / 90).round().astype(int) % 4).tolist()))
-    [0, 1, 2, 3]
-    """
-    n = round(math.pi / BIN_RAD)
-    turns = round(2 * math.pi / settings.drift_step_rad)
-    drifts = np.arange(turns) * 2 * math.pi / turns
-    seen, drawn = (_histogram(walls, n) for walls in (scan.walls_m, plan.segments_m))
-    agree = np.fft.irfft(np.conj(np.fft.rfft(seen)) * np.fft.rfft(drawn), n)
-    agree = ndimage.gaussian_filter1d(agree, SMOOTH_RAD / BIN_RAD, mode="wrap")
-    score = np.interp(np.mod(drifts, math.pi), np.arange(n + 1) * BIN_RAD, [*agree, agree[0]])
-    return as_readonly(wrap_angle(drifts[score >= settings.drift_share * score.max()]))
-
-
-def _histogram(segments_m: FloatArray, n: int) -> FloatArray:
-    """Metres of wall by direction, a half turn in n bins."""
-    index = np.floor(np.mod(directions(segments_m), math.pi) / math.pi * n).astype(int) % n
-    return np.bincount(index, lengths(segments_m), n).astype(np.float64)
-
-
 def search(
     scan: Scan, raster: PlanRaster, settings: ObservationSettings | None = None
 ) -> Candidates:
@@ -295,6 +255,7 @@ def search(
 
     Examples
     --------
+    >>> from palms.floorplan import FloorPlan
     >>> from palms.raster import rasterize
     >>> room = np.array([[[0, 0], [6, 0]], [[6, 0], [6, 4]], [[6, 4], [0, 4]], [[4, 4], [4, 2]]])
     >>> found = search(Scan(room - (2.1, 1.1)), rasterize(FloorPlan(room)))
@@ -302,7 +263,10 @@ def search(
     [2.1, 1.1]
     """
     settings = settings or ObservationSettings()
-    points, drifts = scan_points(scan, settings), likely_drifts(scan, raster.plan, settings)
+    points = scan_points(scan, settings)
+    drifts = likely_drifts(
+        scan.walls_m, raster.plan.segments_m, settings.drift_step_rad, settings.drift_share
+    )
     sight = see(raster, settings, _coarseness(raster.grid, settings))
     inside = _any(raster.inside, sight.grid.shape)
     reach, found = settings.keep_nats / settings.strength, []
