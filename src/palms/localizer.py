@@ -17,7 +17,6 @@ from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
 from palms.heatmap import Candidates, find_candidates, match, scan_drifts
 from palms.hints import Hint
-from palms.observation import scan_points, search
 from palms.odometry import Move, Odometry
 from palms.orientation import candidate_drifts, principal_orientation, smallest_alignment
 from palms.particles import (
@@ -30,6 +29,7 @@ from palms.particles import (
     with_scales,
 )
 from palms.population import adapted, start_posterior
+from palms.posterior import Posterior, posterior
 from palms.randomness import RandomKey, as_key
 from palms.raster import PlanRaster, rasterize
 from palms.recovery import Conditions, Sighting, carried, look_again, look_elsewhere, take_hint
@@ -91,7 +91,7 @@ class Track:
 
 def locate(
     plan: FloorPlan | PlanRaster, scan: Scan, settings: Settings | None = None
-) -> Candidates:
+) -> Candidates | Posterior:
     """Return where one scan alone may have been taken (paper III-A to III-C, or ours).
 
     Parameters
@@ -104,7 +104,7 @@ def locate(
     settings = settings or Settings()
     raster = _raster(plan, settings)
     if settings.start.source == "posterior":
-        return search(scan, raster, settings.observation)
+        return posterior(scan, raster, settings.observation)
     drifts_rad = scan_drifts(scan, raster, settings)
     return find_candidates(match(scan, raster, drifts_rad, settings.template), settings.candidates)
 
@@ -255,25 +255,26 @@ class Localizer:
             return self.estimate
         return self.start(locate(self.raster, scan, self.settings), scan, at_m)
 
-    def start(self, candidates: Candidates, scan: Scan, at_m: FloatArray | None = None) -> Estimate:
-        """Take a scan whose candidates were found before; see `observe`."""
+    def start(
+        self, found: Candidates | Posterior, scan: Scan, at_m: FloatArray | None = None
+    ) -> Estimate:
+        """Take a scan that `locate` was asked about before; see `observe`."""
         moved_m = np.zeros(2) if at_m is None else np.asarray(at_m, np.float64) - scan.position_m
-        if not self._ours:
+        if isinstance(found, Candidates):
             key = self._key.child(_START)
             return self._begin(
-                carried(start_from(candidates, self._n, key, self._conditions.own_frame), moved_m)
+                carried(start_from(found, self._n, key, self._conditions.own_frame), moved_m)
             )
-        self._sighting = Sighting(candidates, moved_m)
-        points = scan_points(scan, self.settings.observation)
+        self._sighting = Sighting(found, moved_m)
         if self.belief is None:
             particles = start_posterior(
-                candidates, points, self.raster, self.settings, self._key.child(_START),
+                found, self.raster, self.settings, self._key.child(_START),
                 self._conditions.own_frame,
             )  # fmt: skip
             return self._begin(carried(particles, moved_m))
         self._step += 1
         key = self._key.child(self._step, _SCAN)
-        self.belief = look_again(self.belief, self._sighting, points, self._conditions, key)
+        self.belief = look_again(self.belief, self._sighting, self._conditions, key)
         self.estimate = self._summary(self.estimate.time_s)
         return self.estimate
 

@@ -10,11 +10,12 @@ import numpy as np
 from palms.belief import Belief, Stage
 from palms.declaration import doubted, judge
 from palms.geometry import FloatArray, rotate_each
-from palms.heatmap import Candidates
+from palms.grid import Grid
 from palms.hints import Hint
-from palms.observation import ScanPoints, log_likelihood
+from palms.observation import log_likelihood
 from palms.particles import Particles, reweight, with_scales
 from palms.population import adapted, anywhere, mixed, pushed, start_posterior
+from palms.posterior import Posterior
 from palms.randomness import RandomKey
 from palms.raster import PlanRaster
 from palms.settings import MotionSettings, Settings
@@ -22,6 +23,7 @@ from palms.settings import MotionSettings, Settings
 __all__ = ["Conditions", "Sighting", "look_again", "look_elsewhere", "take_hint"]
 
 LARGEST_NATS = 300.0  # ours: a scan says no more than this; larger numbers overflow
+PLACE_M = 0.4  # ours: places whose drift is unknown are told apart so finely
 N_TURNS = 64  # ours: so many of the belief's drifts stand for all
 TURN_RAD = 0.1  # ours: spread around each
 
@@ -50,12 +52,12 @@ class Sighting(NamedTuple):
 
     Attributes
     ----------
-    candidates : Candidates
+    found : Posterior
     moved_m : (2,)
         From the scan's observation point, odom frame.
     """
 
-    candidates: Candidates
+    found: Posterior
     moved_m: FloatArray
 
 
@@ -64,7 +66,7 @@ def look_elsewhere(
 ) -> Belief:
     """Take other places into a belief that is lost.
 
-    Half of them are the latest scan's candidates, carried along by the odometry since; the
+    Half of them are the latest scan's poses, carried along by the odometry since; the
     others lie anywhere, with the drifts of the belief.
 
     Parameters
@@ -92,7 +94,7 @@ def _others(
     turns = particles.drift_rad[:: max(1, len(particles) // N_TURNS)]
     others = anywhere(raster, n, turns, TURN_RAD, key.child(0))
     if sighting is not None and not own_frame:
-        seen = pushed(sighting.candidates, n, sighting.moved_m, key.child(1))
+        seen = pushed(sighting.found, n, sighting.moved_m, key.child(1))
         others = mixed(others, seen, 0.5)
     return with_scales(others, motion, key.child(2))
 
@@ -125,11 +127,7 @@ def take_hint(
 
 
 def look_again(
-    belief: Belief,
-    sighting: Sighting,
-    points: ScanPoints,
-    conditions: Conditions,
-    key: RandomKey,
+    belief: Belief, sighting: Sighting, conditions: Conditions, key: RandomKey
 ) -> Belief:
     """Weigh a belief by one more scan, and take in the places that the scan knows of.
 
@@ -141,18 +139,15 @@ def look_again(
     ----------
     belief : Belief
     sighting : Sighting
-        The scan's candidates, and the way from its observation point to the phone.
-    points : ScanPoints
+        What the scan says, and the way from its observation point to the phone.
     conditions : Conditions
     key : RandomKey
     """
     raster, settings, motion, own_frame = conditions
     observation, declaration = settings.observation, settings.declaration
-    particles, kept = reweight(
-        belief.particles, _ratio(belief.particles, sighting, points, conditions)
-    )
+    particles, kept = reweight(belief.particles, _ratio(belief.particles, sighting, conditions))
     doubt = doubted(belief.doubt, kept, declaration)
-    others = start_posterior(sighting.candidates, points, raster, settings, key, own_frame)
+    others = start_posterior(sighting.found, raster, settings, key, own_frame)
     others = with_scales(carried(others, sighting.moved_m), motion, key)
     wider = adapted(
         mixed(particles, others, doubt), raster, settings.resampling,
@@ -177,17 +172,15 @@ def carried(particles: Particles, by_odom_m: FloatArray) -> Particles:
     return replace(particles, position_m=particles.position_m + offset)
 
 
-def _ratio(
-    particles: Particles, sighting: Sighting, points: ScanPoints, conditions: Conditions
-) -> FloatArray:
+def _ratio(particles: Particles, sighting: Sighting, conditions: Conditions) -> FloatArray:
     """Likelihood of a scan at each particle against that anywhere (N,)."""
-    observation, found = conditions.settings.observation, sighting.candidates
+    observation, found = conditions.settings.observation, sighting.found
     at_scan = particles.position_m - rotate_each(sighting.moved_m, particles.drift_rad)
     if conditions.own_frame:
         nats = _log_ratio_of_places(at_scan, found, conditions.raster)
     else:
         nats = log_likelihood(
-            points, conditions.raster, at_scan, particles.drift_rad, observation
+            found.points, conditions.raster, at_scan, particles.drift_rad, observation
         )  # fmt: skip
         nats = observation.strength * nats - found.log_mean
     ratio: FloatArray = np.exp(np.minimum(nats, LARGEST_NATS))
@@ -195,14 +188,17 @@ def _ratio(
 
 
 def _log_ratio_of_places(
-    position_m: FloatArray, found: Candidates, raster: PlanRaster
+    position_m: FloatArray, found: Posterior, raster: PlanRaster
 ) -> FloatArray:
     """Log ratio of a scan's share of each place, whatever its drift, to an even share."""
-    share = np.zeros(found.grid.shape)
-    np.add.at(share, tuple(found.cells.T), np.exp(found.log_weight))
-    even = (raster.grid.cell_size_m / found.grid.cell_size_m) ** 2 * raster.inside.sum()
-    cell = found.grid.cell_of(position_m)
-    on = found.grid.contains(position_m)
+    left, right, bottom, top = raster.grid.extent_m()
+    grid = Grid.covering((left, bottom), (right, top), PLACE_M)
+    share = np.zeros(grid.shape)
+    on = grid.contains(found.position_m)
+    np.add.at(share, tuple(grid.cell_of(found.position_m[on]).T), np.exp(found.log_weight[on]))
+    even = (raster.grid.cell_size_m / grid.cell_size_m) ** 2 * raster.inside.sum()
+    on = grid.contains(position_m)
     ratio = np.full(len(position_m), np.exp(-LARGEST_NATS))
-    ratio[on] = np.maximum(share[tuple(cell[on].T)] * even, ratio[on])
+    cell = grid.cell_of(position_m[on])
+    ratio[on] = np.maximum(share[tuple(cell.T)] * even, ratio[on])
     return np.asarray(np.log(ratio))
