@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from palms import Settings
-from palms.cli._inputs import Source, make_settings, read_case
+from palms.cli._inputs import Input, make_settings, read_case
 from palms.cli._pictures import tell_story
 from palms.cli.track import follow
 from palms.io import read_walk
@@ -188,7 +188,7 @@ def test_pictures_without_a_scan(palms, world, tmp_path):
 
 def test_pictures_show_the_track_of_the_json(palms, world):
     settings = make_settings("palms")
-    case = read_case(Source(world.plan), Source(world.scan), Source(world.walk), "arkit")
+    case = read_case(Input(world.plan), Input(world.scan), Input(world.walk), "arkit")
     (alone,) = follow(case, settings, range(4, 5))
     shown = tell_story(case, settings, 4).track
     assert np.array_equal(alone.position_m, shown.position_m)

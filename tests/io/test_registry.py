@@ -10,7 +10,7 @@ import pytest
 
 from palms.errors import InputError, PalmsWarning
 from palms.floorplan import FloorPlan
-from palms.io import registry
+from palms.io import read_floorplan, read_scan, read_walk, registry
 from palms.io.registry import (
     BUILT_IN,
     FLOORPLANS,
@@ -18,9 +18,6 @@ from palms.io.registry import (
     SCANS,
     choose_format,
     formats,
-    read_floorplan,
-    read_scan,
-    read_walk,
 )
 from palms.odometry import Odometry
 

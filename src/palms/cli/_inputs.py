@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Case",
-    "Source",
+    "Input",
     "make_settings",
     "read_case",
     "read_plan",
@@ -84,7 +84,7 @@ class Case:
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class Input:
     """A file that the user named, the format that it is of, and options for its reader.
 
     Parameters
@@ -107,7 +107,7 @@ class Source:
         return read_any(group, self.path, self.format, self.options or ())
 
 
-def read_plan(source: Source) -> FloorPlan:
+def read_plan(source: Input) -> FloorPlan:
     """Read a floor plan."""
     from palms.io import FLOORPLANS
 
@@ -115,7 +115,7 @@ def read_plan(source: Source) -> FloorPlan:
     return plan
 
 
-def read_scan(source: Source) -> Scan:
+def read_scan(source: Input) -> Scan:
     """Read a scan."""
     from palms.io import SCANS
 
@@ -123,7 +123,7 @@ def read_scan(source: Source) -> Scan:
     return scan
 
 
-def read_walk(source: Source) -> RecordedWalk:
+def read_walk(source: Input) -> RecordedWalk:
     """Read a recorded walk."""
     from palms.io import ODOMETRY
 
@@ -131,9 +131,7 @@ def read_walk(source: Source) -> RecordedWalk:
     return walk
 
 
-def read_case(
-    plan: Source, scan: Source, walk: Source, odometry: Literal["arkit", "ronin"]
-) -> Case:
+def read_case(plan: Input, scan: Input, walk: Input, odometry: Literal["arkit", "ronin"]) -> Case:
     """Read a plan, a scan and a walk, and make sure that scan and walk belong together.
 
     Raises

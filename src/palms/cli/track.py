@@ -87,9 +87,9 @@ def track(
 
     settings = inputs.make_settings(method, cell_size, particles)
     case = inputs.read_case(
-        inputs.Source(plan, plan_format, plan_option),
-        inputs.Source(scan, scan_format, scan_option),
-        inputs.Source(walk, walk_format, walk_option),
+        inputs.Input(plan, plan_format, plan_option),
+        inputs.Input(scan, scan_format, scan_option),
+        inputs.Input(walk, walk_format, walk_option),
         walk_source.value,
     )
     check_file(json)

@@ -28,18 +28,21 @@ from palms.io.files import read_json, read_text, write_json, write_text
 from palms.io.label import Label, read_label, write_label
 from palms.io.plan_csv import read_plan_csv, write_plan_csv
 from palms.io.planes import read_scan_json, write_scan_json
+from palms.io.reading import (
+    read_any,
+    read_floorplan,
+    read_scan,
+    read_walk,
+    write_floorplan,
+)
 from palms.io.registry import (
     FLOORPLANS,
     ODOMETRY,
     SCANS,
     Format,
     choose_format,
+    choose_writer,
     formats,
-    read_any,
-    read_floorplan,
-    read_scan,
-    read_walk,
-    write_floorplan,
 )
 from palms.io.tracking import read_tracking, write_tracking
 from palms.io.truth import Truth, read_truth, write_truth
@@ -60,6 +63,7 @@ __all__ = [
     "WalkSource",
     "check_same_session",
     "choose_format",
+    "choose_writer",
     "formats",
     "open_dataset",
     "read_any",
