@@ -3,7 +3,7 @@
 from benchmarks.harness import Case
 from benchmarks.world import raster, scan, walk
 from palms.belief import Belief
-from palms.declaration import judge
+from palms.declaration import evidence_of, judge
 from palms.localizer import Localizer
 from palms.observation import scan_points, search
 from palms.odometry import Move
@@ -25,7 +25,7 @@ def cases() -> list[Case]:
     def step() -> None:
         moved, info = advance(start, MOVE, plan, ours.motion, KEY, ours.resampling)
         few = adapted(moved, plan, ours.resampling, len(start), KEY)
-        judge(belief, few, MOVE.length_m, info, ours.declaration)
+        judge(belief, few, ours.declaration, evidence_of(MOVE.length_m, info, ours.declaration))
 
     def follow() -> None:
         localizer = Localizer(plan, ours, 0)

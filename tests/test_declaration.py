@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from palms.belief import Belief, Stage, summarize
-from palms.declaration import doubted, judge
+from palms.declaration import doubted, evidence_of, judge
 from palms.particles import MoveInfo, Particles
 from palms.settings import DeclarationSettings
 
@@ -24,8 +24,11 @@ def crowd(n_here, n_there=0, drift_there=0.0, spread=0.1):
 
 
 def after(particles, *, doubt=0.005, stage=Stage.SEARCHING, walked_m=0.0, info=FREE):
-    before = Belief(particles, stage, doubt=doubt)
-    return judge(before, particles, walked_m, info, OURS)
+    return moved(Belief(particles, stage, doubt=doubt), walked_m, info)
+
+
+def moved(belief, walked_m, info):
+    return judge(belief, belief.particles, OURS, evidence_of(walked_m, info, OURS))
 
 
 def test_it_is_localized_when_it_is_probable_and_only_then():
@@ -49,7 +52,7 @@ def test_walls_that_contradict_the_belief_make_it_unsure_and_then_lost():
     belief, seen = after(crowd(1000)), []
     for _ in range(4):
         hit = MoveInfo(950, 50, 100.0, math.log(0.05))
-        belief = judge(belief, belief.particles, 0.65, hit, OURS)
+        belief = moved(belief, 0.65, hit)
         seen.append(belief.stage)
     assert seen[0] is not Stage.LOST
     assert seen[-1] is Stage.LOST
@@ -60,7 +63,7 @@ def test_walking_where_the_belief_allows_takes_the_doubt_away():
     belief = after(crowd(1000), doubt=0.3)
     assert belief.stage is not Stage.LOCALIZED
     for _ in range(60):
-        belief = judge(belief, belief.particles, 0.65, FREE, OURS)
+        belief = moved(belief, 0.65, FREE)
     assert belief.doubt == OURS.doubt_floor
     assert belief.stage is Stage.LOCALIZED
 
@@ -69,7 +72,7 @@ def test_many_small_moves_into_walls_leave_an_answer():
     belief = after(crowd(1000))
     for _ in range(200):
         hit = MoveInfo(1000, 0, 100.0, math.log(0.03))
-        belief = judge(belief, belief.particles, 0.05, hit, OURS)
+        belief = moved(belief, 0.05, hit)
         estimate = summarize(belief, 1.0, None)
     assert estimate.stage is Stage.LOST
     assert 0 < estimate.p_within_2m < 1e-3
@@ -84,7 +87,8 @@ def test_doubt_is_bayes_rule():
 
 
 def test_probabilities_and_radii_count_the_doubt():
-    sure, unsure = (after(crowd(900, 100), doubt=d, info=None) for d in (0.0, 0.2))
+    belief = after(crowd(900, 100))
+    sure, unsure = (dataclasses.replace(belief, doubt=d) for d in (0.0, 0.2))
     a, b = (summarize(belief, 0.0, None) for belief in (sure, unsure))
     assert b.p_within_2m == pytest.approx(0.8 * a.p_within_2m)
     assert b.radius_95_m > 20 > a.radius_68_m

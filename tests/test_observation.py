@@ -5,7 +5,8 @@ import pytest
 
 from palms.floorplan import FloorPlan, SegmentClass
 from palms.geometry import rotate, wrap_angle
-from palms.observation import likely_drifts, log_likelihood, scan_points, search, see
+from palms.observation import log_likelihood, scan_points, search, see
+from palms.orientation import likely_drifts
 from palms.raster import rasterize
 from palms.scan import Scan
 from palms.settings import ObservationSettings
@@ -109,7 +110,9 @@ def test_only_what_was_looked_at_counts_as_empty():
 
 
 def test_likely_drifts_leave_out_what_no_wall_allows():
-    drifts = likely_drifts(seen_from(POINT, NEAR, 0.3), PLAN, OURS)
+    drifts = likely_drifts(
+        seen_from(POINT, NEAR, 0.3).walls_m, PLAN.segments_m, OURS.drift_step_rad, OURS.drift_share
+    )
     off = np.abs(wrap_angle(4 * (drifts - 0.3))) / 4
     assert len(drifts) < 40
     assert off.max() < np.radians(16)

@@ -16,6 +16,7 @@ from PIL import Image
 import palms
 from palms.heatmap import Heatmaps
 from palms.io import Case, open_dataset
+from palms.io.files import write_bytes
 from palms.particles import start_from
 from palms.plot import (
     Recorder,
@@ -24,7 +25,6 @@ from palms.plot import (
     image_bytes,
     pipeline_figure,
     stages_figure,
-    write_bytes,
 )
 from palms.randomness import as_key
 from palms.sample import sample_folder
@@ -83,8 +83,8 @@ def stages() -> Figure:
 
 
 def readme() -> Figure:
-    """Draw the moments of the paper's method alone."""
-    return stages_figure({"": story("paper")}, moments=("start", "t2", "end"))
+    """Draw the moments of the default method alone."""
+    return stages_figure({"": story("palms")}, moments=("start", "t2", "end"))
 
 
 def write_small(path: Path, figure: Figure, dpi: float, has_shades: bool) -> None:

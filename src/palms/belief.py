@@ -92,6 +92,18 @@ class Belief:
         return self.particles.mean_m(self.answering)
 
     @cached_property
+    def away_m(self) -> FloatArray:
+        """Distance (N,) of each particle from the answer."""
+        away, (x, y) = np.empty(len(self.particles)), self.answer_m
+        clusters.distances(self.particles.position_m, x, y, away)
+        return away
+
+    def share_within(self, radius_m: float) -> float:
+        """Share of the weight within a radius of the answer."""
+        share = float(clusters.weight_within(self.away_m, self.particles.weight, radius_m))
+        return min(share, 1.0)  # weights sum to 1 but for rounding
+
+    @cached_property
     def drift_rad(self) -> float:
         """Mean drift of the answering particles, in (-pi, pi]."""
         p, answering = self.particles, self.answering
@@ -233,15 +245,12 @@ def summarize(
     settings : AnswerSettings, optional
     """
     settings = settings or AnswerSettings()
-    particles, answer, drift = belief.particles, belief.answer_m, belief.drift_rad
-    away, sure = np.empty(len(particles)), 1 - belief.doubt
-    clusters.distances(particles.position_m, answer[0], answer[1], away)
-    weight = particles.weight
+    particles, drift, sure = belief.particles, belief.drift_rad, 1 - belief.doubt
+    away, weight = belief.away_m, particles.weight
     heading = None if heading_odom_rad is None else float(wrap_angle(heading_odom_rad + drift))
     return Estimate(
-        time_s, belief.stage, answer, heading, drift,
-        sure * min(clusters.weight_within(away, weight, 1.0), 1.0),  # sums may exceed 1 by rounding
-        sure * min(clusters.weight_within(away, weight, 2.0), 1.0),
+        time_s, belief.stage, belief.answer_m, heading, drift,
+        sure * belief.share_within(1.0), sure * belief.share_within(2.0),
         clusters.weighted_quantile(away, weight, min(0.68 / sure, 1.0)),
         clusters.weighted_quantile(away, weight, min(0.95 / sure, 1.0)),
         hypotheses(particles, settings.hypotheses, settings.hypothesis_radius_m),

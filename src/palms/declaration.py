@@ -17,7 +17,7 @@ from palms.belief import Belief, Stage
 from palms.particles import MoveInfo, Particles
 from palms.settings import DeclarationSettings
 
-__all__ = ["doubted", "judge"]
+__all__ = ["doubted", "evidence_of", "judge"]
 
 NEAR_M = 2.0  # ours: what p_within_2m asks
 DRIFT_BINS = 72  # ours: 5 degrees each
@@ -25,11 +25,7 @@ MOST_DOUBT = 1 - 1e-6  # ours: nothing is impossible, and probabilities divide b
 
 
 def judge(
-    belief: Belief,
-    particles: Particles,
-    walked_m: float,
-    info: MoveInfo | None,
-    settings: DeclarationSettings,
+    belief: Belief, particles: Particles, settings: DeclarationSettings, nats: float = 0.0
 ) -> Belief:
     """Judge the particles after a move or a scan: how far has it come, and is it lost.
 
@@ -39,21 +35,33 @@ def judge(
         Before it.
     particles : Particles
         After it.
-    walked_m : float
-        Length of the move.
-    info : MoveInfo or None
-        What the walls said to it; None when there was no move.
     settings : DeclarationSettings
+    nats : float
+        What it says for the belief as a whole; see `evidence_of`.
     """
-    doubt = belief.doubt
-    if info is not None:
-        doubt = doubted(doubt, settings.stray_nats_per_m * walked_m + info.evidence, settings)
     place, _ = clusters.heaviest_places(particles.position_m, particles.weight, NEAR_M, 1)
-    answering = np.asarray(place == 0)
+    doubt = doubted(belief.doubt, nats, settings)
     judged = Belief(
-        particles, belief.stage, None, particles.mean_m(answering), answering, 0, doubt
+        particles, belief.stage, answering=np.asarray(place == 0), doubt=doubt
     )  # fmt: skip
-    return replace(judged, stage=_stage(judged, settings))
+    stage = _stage(judged, settings)
+    return judged if stage is judged.stage else replace(judged, stage=stage)
+
+
+def evidence_of(walked_m: float, info: MoveInfo, settings: DeclarationSettings) -> float:
+    """Return what the walls say for a belief after a move, in nats.
+
+    Against a belief in a wrong place, which loses about as much to walls with each metre
+    wherever it is.
+
+    Examples
+    --------
+    >>> settings = DeclarationSettings("probability")
+    >>> free, stopped = MoveInfo(0, 9, 9.0, 0.0), MoveInfo(9, 0, 9.0, -3.5)
+    >>> evidence_of(1.0, free, settings), evidence_of(1.0, stopped, settings)
+    (0.2, -3.3)
+    """
+    return settings.stray_nats_per_m * walked_m + info.evidence
 
 
 def doubted(doubt: float, nats: float, settings: DeclarationSettings) -> float:
@@ -65,8 +73,8 @@ def doubted(doubt: float, nats: float, settings: DeclarationSettings) -> float:
     >>> round(doubted(0.5, -1.0, settings), 3), round(doubted(0.01, 5.0, settings), 3)
     (0.731, 0.005)
     """
-    if doubt <= 0:
-        return settings.doubt_floor
+    if doubt <= 0 or nats == 0:
+        return max(doubt, settings.doubt_floor)
     odds = doubt / (1 - doubt) * math.exp(min(max(-nats, -50.0), 50.0))
     return min(max(odds / (1 + odds), settings.doubt_floor), MOST_DOUBT)
 
@@ -75,21 +83,13 @@ def _stage(belief: Belief, settings: DeclarationSettings) -> Stage:
     if belief.doubt > settings.lost:
         return Stage.LOST
     sure = 1 - belief.doubt
-    near = sure * _share_near(belief)
+    near = sure * belief.share_within(NEAR_M)
     threshold = settings.leave if belief.stage is Stage.LOCALIZED else settings.enter
     if near >= threshold:
         return Stage.LOCALIZED
     if sure * _share_oriented(belief.particles, settings.oriented_rad) >= settings.oriented_share:
         return Stage.ORIENTED
     return Stage.LOST if belief.stage is Stage.LOST else Stage.SEARCHING
-
-
-def _share_near(belief: Belief) -> float:
-    """Share of the weight within 2 m of the answer."""
-    away = np.empty(len(belief.particles))
-    x, y = belief.answer_m
-    clusters.distances(belief.particles.position_m, x, y, away)
-    return min(float(clusters.weight_within(away, belief.particles.weight, NEAR_M)), 1.0)
 
 
 def _share_oriented(particles: Particles, within_rad: float) -> float:

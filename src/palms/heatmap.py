@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -18,11 +19,47 @@ from palms.scan import Scan
 from palms.settings import CandidateSettings, Settings, TemplateSettings
 from palms.template import Template, build_template, template_reach_m
 
-__all__ = ["Candidates", "Heatmaps", "correlate", "find_candidates", "match", "scan_drifts"]
+__all__ = [
+    "Candidates",
+    "Heatmaps",
+    "ScoreMaps",
+    "correlate",
+    "find_candidates",
+    "match",
+    "scan_drifts",
+]
 
 OFFSET_CELLS = 16  # ours: paddings are rounded up to this, so that scans share transforms
 
 Scores = npt.NDArray[np.float32]
+
+
+class ScoreMaps(Protocol):
+    """Scores of every cell for every drift, by whatever method; what pictures need."""
+
+    @property
+    def raster(self) -> PlanRaster:
+        """The plan."""
+
+    @property
+    def scan(self) -> Scan:
+        """The scan."""
+
+    @property
+    def drifts_rad(self) -> FloatArray:
+        """The drifts (K,)."""
+
+    @property
+    def grid(self) -> Grid:
+        """The cells of every map."""
+
+    def __len__(self) -> int: ...
+
+    def template(self, k: int) -> Template:
+        """Return what was looked for with drift k."""
+
+    def scores(self, k: int) -> Scores:
+        """Return the map (R, C) of drift k."""
 
 
 @dataclass(frozen=True)

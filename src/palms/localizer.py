@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from palms.belief import Belief, Estimate, Stage, settle, summarize
-from palms.declaration import judge
+from palms.declaration import evidence_of, judge
 from palms.errors import InputError
 from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
@@ -289,8 +289,8 @@ class Localizer:
         """
         if not self._ours:
             return self.estimate
-        hint.ratio(np.zeros((1, 2)), self.raster)  # a hint that cannot be used is said at once
         if self.belief is None:
+            hint.ratio(np.zeros((1, 2)), self.raster)  # one that cannot be used is said at once
             self._hints.append(hint)
             return self.estimate
         self._step += 1
@@ -327,7 +327,7 @@ class Localizer:
             self._hints.clear()
             declaration = self.settings.declaration
             unsure = replace(self.belief, doubt=declaration.doubt_at_start)
-            self.belief = judge(unsure, particles, 0.0, None, declaration)
+            self.belief = judge(unsure, particles, declaration)
         self.estimate = self._summary(self.estimate.time_s)
         return self.estimate
 
@@ -368,7 +368,8 @@ class Localizer:
             moved_m = self._sighting.moved_m + (move.dx_m, move.dy_m)
             self._sighting = self._sighting._replace(moved_m=moved_m)
         self._since_search_m += move.length_m
-        belief = judge(self.belief, particles, move.length_m, info, declaration)
+        nats = evidence_of(move.length_m, info, declaration)
+        belief = judge(self.belief, particles, declaration, nats)
         if belief.stage is not Stage.LOST or self._since_search_m < declaration.search_every_m:
             return belief
         self._since_search_m = 0.0

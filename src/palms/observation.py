@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -20,20 +21,29 @@ from scipy import ndimage
 from palms._compiled import observation as loops
 from palms._compiled import raster as cells
 from palms._compiled import select
-from palms.floorplan import FloorPlan, SegmentClass
-from palms.geometry import FloatArray, as_readonly, directions, lengths, wrap_angle
+from palms.floorplan import SegmentClass
+from palms.geometry import FloatArray, as_readonly
 from palms.grid import Grid
 from palms.heatmap import Candidates
+from palms.orientation import likely_drifts
 from palms.raster import PlanRaster
 from palms.scan import Scan
 from palms.settings import ObservationSettings
+from palms.template import Template
 
-__all__ = ["ScanPoints", "Sight", "likely_drifts", "log_likelihood", "scan_points", "search", "see"]
+__all__ = [
+    "Likelihoods",
+    "ScanPoints",
+    "Sight",
+    "likelihoods",
+    "log_likelihood",
+    "scan_points",
+    "search",
+    "see",
+]
 
 BEARINGS = 360  # ours: empty space is known for every degree
 ERODE = 2  # ours: bearings on either side that must be free as well
-BIN_RAD = math.radians(2.0)  # ours: bins of the histograms of wall directions
-SMOOTH_RAD = math.radians(4.0)  # ours: walls of plan and scan agree to about this
 OF_CLASS = {  # ours: what a wall of a class may explain, and what it counts in empty space
     SegmentClass.WALL: (1.0, 1.0),
     SegmentClass.DOOR: (0.5, 0.0),  # shut or open
@@ -236,43 +246,99 @@ def log_likelihood(
     return np.asarray(walls - settings.empty_nats_per_m * empty)
 
 
-def likely_drifts(scan: Scan, plan: FloorPlan, settings: ObservationSettings) -> FloatArray:
-    """Return the drifts all around that turn the scan's walls along some of the plan's.
-
-    Correlation of the two histograms of wall directions, by metres.
+@dataclass(frozen=True)
+class Likelihoods:
+    """`log_likelihood` over the whole building, one map for each drift; see `likelihoods`.
 
     Parameters
     ----------
+    raster : PlanRaster
     scan : Scan
-    plan : FloorPlan
+    drifts_rad : (K,)
     settings : ObservationSettings
-
-    Returns
-    -------
-    (K,) in (-pi, pi]
-        Multiples of `drift_step_rad`.
-
-    Examples
-    --------
-    >>> room = [[[0, 0], [6, 0]], [[6, 0], [6, 4]], [[6, 4], [0, 4]], [[0, 4], [0, 0]]]
-    >>> drifts = likely_drifts(Scan(room, (3, 2)), FloorPlan(room), ObservationSettings())
-    >>> sorted(set(((np.degrees(drifts) / 90).round().astype(int) % 4).tolist()))
-    [0, 1, 2, 3]
     """
-    n = round(math.pi / BIN_RAD)
-    turns = round(2 * math.pi / settings.drift_step_rad)
-    drifts = np.arange(turns) * 2 * math.pi / turns
-    seen, drawn = (_histogram(walls, n) for walls in (scan.walls_m, plan.segments_m))
-    agree = np.fft.irfft(np.conj(np.fft.rfft(seen)) * np.fft.rfft(drawn), n)
-    agree = ndimage.gaussian_filter1d(agree, SMOOTH_RAD / BIN_RAD, mode="wrap")
-    score = np.interp(np.mod(drifts, math.pi), np.arange(n + 1) * BIN_RAD, [*agree, agree[0]])
-    return as_readonly(wrap_angle(drifts[score >= settings.drift_share * score.max()]))
+
+    raster: PlanRaster
+    scan: Scan
+    drifts_rad: FloatArray
+    settings: ObservationSettings
+
+    @property
+    def grid(self) -> Grid:
+        """The cells of every map."""
+        return self._sight.grid
+
+    def __len__(self) -> int:
+        return len(self.drifts_rad)
+
+    @cached_property
+    def inside(self) -> npt.NDArray[np.bool_]:
+        """Cells (R, C) that reach into the building."""
+        return _any(self.raster.inside, self.grid.shape)
+
+    def template(self, k: int) -> Template:
+        """Return what speaks for a place with drift k (metres of wall) and against it."""
+        walls, empty = self._splats(k)
+        cost = self.settings.empty_nats_per_m * empty
+        return Template(walls - cost, (self._half, self._half), float(self.drifts_rad[k]))
+
+    def scores(self, k: int) -> Field:
+        """Return the map (R, C) of drift k, in nats, by Fourier transform."""
+        (rows, columns), shape = self.grid.shape, self._shape
+        support, cost = self._spectra
+        walls, empty = self._splats(k)
+        product = np.conj(_turned(walls, shape)) * support
+        product -= self.settings.empty_nats_per_m * np.conj(_turned(empty, shape)) * cost
+        turned = scipy.fft.ifft(product, axis=0, overwrite_x=True)[:rows]
+        return np.ascontiguousarray(scipy.fft.irfft(turned, n=shape[1], axis=1)[:, :columns])
+
+    def __iter__(self) -> Iterator[Field]:
+        return (self.scores(k) for k in range(len(self)))
+
+    @cached_property
+    def _points(self) -> ScanPoints:
+        return scan_points(self.scan, self.settings)
+
+    @cached_property
+    def _sight(self) -> Sight:
+        return see(self.raster, self.settings, _coarseness(self.raster.grid, self.settings))
+
+    @property
+    def _half(self) -> int:
+        """Cells from the middle of a template to its border."""
+        return math.ceil(self._points.reach_m / self.grid.cell_size_m) + 2
+
+    @property
+    def _shape(self) -> tuple[int, int]:
+        rows, columns = (n + 2 * self._half for n in self.grid.shape)
+        return scipy.fft.next_fast_len(rows), scipy.fft.next_fast_len(columns, real=True)
+
+    @cached_property
+    def _spectra(self) -> tuple[npt.NDArray[np.complex64], npt.NDArray[np.complex64]]:
+        fields = (self._sight.support, self._sight.cost)
+        support, cost = (_spectrum(field, self._half, self._shape) for field in fields)
+        return support, cost
+
+    def _splats(self, k: int) -> tuple[Field, Field]:
+        """Metres of wall and square metres of empty space in each cell of a template."""
+        points, side = self._points, 2 * self._half + 1
+        walls, empty = (np.zeros((side, side), np.float32) for _ in range(2))
+        drift, cell = float(self.drifts_rad[k]), self.grid.cell_size_m
+        area = np.full(len(points.empty_m), points.empty_m2)
+        loops.splat(points.wall_m, points.wall_weight_m, drift, cell, walls)
+        loops.splat(points.empty_m, area, drift, cell, empty)
+        return walls, empty
 
 
-def _histogram(segments_m: FloatArray, n: int) -> FloatArray:
-    """Metres of wall by direction, a half turn in n bins."""
-    index = np.floor(np.mod(directions(segments_m), math.pi) / math.pi * n).astype(int) % n
-    return np.bincount(index, lengths(segments_m), n).astype(np.float64)
+def likelihoods(
+    scan: Scan, raster: PlanRaster, settings: ObservationSettings | None = None
+) -> Likelihoods:
+    """Return the maps of a scan for all drifts that its walls allow; made when asked for."""
+    settings = settings or ObservationSettings()
+    drifts_rad = likely_drifts(
+        scan.walls_m, raster.plan.segments_m, settings.drift_step_rad, settings.drift_share
+    )
+    return Likelihoods(raster, scan, drifts_rad, settings)
 
 
 def search(
@@ -295,6 +361,7 @@ def search(
 
     Examples
     --------
+    >>> from palms.floorplan import FloorPlan
     >>> from palms.raster import rasterize
     >>> room = np.array([[[0, 0], [6, 0]], [[6, 0], [6, 4]], [[6, 4], [0, 4]], [[4, 4], [4, 2]]])
     >>> found = search(Scan(room - (2.1, 1.1)), rasterize(FloorPlan(room)))
@@ -302,12 +369,11 @@ def search(
     [2.1, 1.1]
     """
     settings = settings or ObservationSettings()
-    points, drifts = scan_points(scan, settings), likely_drifts(scan, raster.plan, settings)
-    sight = see(raster, settings, _coarseness(raster.grid, settings))
-    inside = _any(raster.inside, sight.grid.shape)
+    maps = likelihoods(scan, raster, settings)
+    inside = maps.inside
     reach, found = settings.keep_nats / settings.strength, []
     best = -np.inf
-    for k, scores in enumerate(_maps(points, sight, drifts, settings)):
+    for k, scores in enumerate(maps):
         best = max(best, float(scores.max(where=inside, initial=-np.inf)))
         here = np.argwhere(inside & (scores >= best - reach)).astype(np.int32)
         found.append((here, np.full(len(here), k, np.int32), scores[here[:, 0], here[:, 1]]))
@@ -322,8 +388,9 @@ def search(
     total = float(np.exp(log_weight - top).sum())
     poses = inside.sum() * round(2 * math.pi / settings.drift_step_rad)
     return Candidates(
-        sight.grid, drifts, at[keep], label[keep], score[keep], log_weight - top - math.log(total),
-        1 - settings.elsewhere, settings.drift_step_rad, top + math.log(total / poses),
+        maps.grid, maps.drifts_rad, at[keep], label[keep], score[keep],
+        log_weight - top - math.log(total), 1 - settings.elsewhere, settings.drift_step_rad,
+        top + math.log(total / poses),
     )  # fmt: skip
 
 
@@ -340,28 +407,6 @@ def _any(mask: npt.NDArray[np.bool_], shape: tuple[int, int]) -> npt.NDArray[np.
     k = -(-mask.shape[0] // shape[0])
     padded = np.pad(mask, [(0, n * k - m) for n, m in zip(shape, mask.shape, strict=True)])
     return np.asarray(padded.reshape(shape[0], k, shape[1], k).any(axis=(1, 3)))
-
-
-def _maps(
-    points: ScanPoints, sight: Sight, drifts_rad: FloatArray, settings: ObservationSettings
-) -> Iterator[Field]:
-    """Yield `log_likelihood` over all cells, drift by drift, by Fourier transform."""
-    cell, (rows, columns) = sight.grid.cell_size_m, sight.grid.shape
-    half = math.ceil(points.reach_m / cell) + 2
-    shape = (
-        scipy.fft.next_fast_len(rows + 2 * half),
-        scipy.fft.next_fast_len(columns + 2 * half, real=True),
-    )
-    support, cost = (_spectrum(field, half, shape) for field in (sight.support, sight.cost))
-    area = np.full(len(points.empty_m), points.empty_m2)
-    for drift in drifts_rad:
-        walls, empty = (np.zeros((2 * half + 1, 2 * half + 1), np.float32) for _ in range(2))
-        loops.splat(points.wall_m, points.wall_weight_m, drift, cell, walls)
-        loops.splat(points.empty_m, area, drift, cell, empty)
-        product = np.conj(_turned(walls, shape)) * support
-        product -= settings.empty_nats_per_m * np.conj(_turned(empty, shape)) * cost
-        turned = scipy.fft.ifft(product, axis=0, overwrite_x=True)[:rows]
-        yield np.ascontiguousarray(scipy.fft.irfft(turned, n=shape[1], axis=1)[:, :columns])
 
 
 def _spectrum(field: Field, offset: int, shape: tuple[int, int]) -> npt.NDArray[np.complex64]:

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import numpy.typing as npt
+from scipy import ndimage
 
 from palms.geometry import FloatArray, as_readonly, directions, lengths, wrap_angle
 
-__all__ = ["candidate_drifts", "principal_orientation", "smallest_alignment"]
+__all__ = ["candidate_drifts", "likely_drifts", "principal_orientation", "smallest_alignment"]
 
 QUARTER = np.pi / 2
 BIN_RAD = np.pi / 360  # ours: half a degree
 SMOOTH_RAD = np.radians(3.0)  # ours: planes are off by about a degree each
 WINDOW_RAD = np.radians(10.0)  # ours: what still counts as one orientation
+WALL_BIN_RAD = np.radians(2.0)  # ours: bins of all directions of walls
+WALL_SMOOTH_RAD = np.radians(4.0)  # ours: walls of plan and scan agree to about this
 
 
 def principal_orientation(segments_m: npt.ArrayLike) -> float:
@@ -78,6 +81,53 @@ def candidate_drifts(theta_rad: float, n: int = 4) -> FloatArray:
     """
     drifts: FloatArray = as_readonly(wrap_angle(theta_rad + np.arange(n) * 2 * np.pi / n))
     return drifts
+
+
+def likely_drifts(
+    scan_m: npt.ArrayLike, plan_m: npt.ArrayLike, step_rad: float, share: float
+) -> FloatArray:
+    """Return the drifts all around that turn a scan's walls along some of a plan's.
+
+    Correlation of the two histograms of wall directions, by metres: no right angles needed.
+
+    Parameters
+    ----------
+    scan_m, plan_m : array_like (N, 2, 2), (M, 2, 2)
+        Walls.
+    step_rad : float
+        Between two drifts.
+    share : float
+        Of the best drift's agreement; drifts with less are left out.
+
+    Returns
+    -------
+    (K,) in (-pi, pi]
+        Multiples of `step_rad`.
+
+    Examples
+    --------
+    >>> room = [[[0, 0], [6, 0]], [[6, 0], [6, 4]], [[6, 4], [0, 4]], [[0, 4], [0, 0]]]
+    >>> drifts = likely_drifts(room, room, np.radians(5), 0.5)
+    >>> sorted(set(((np.degrees(drifts) / 90).round().astype(int) % 4).tolist()))
+    [0, 1, 2, 3]
+    """
+    n, turns = round(np.pi / WALL_BIN_RAD), round(2 * np.pi / step_rad)
+    drifts = np.arange(turns) * 2 * np.pi / turns
+    seen, drawn = (
+        _by_direction(np.asarray(walls, dtype=np.float64), n) for walls in (scan_m, plan_m)
+    )
+    agree = np.fft.irfft(np.conj(np.fft.rfft(seen)) * np.fft.rfft(drawn), n)
+    agree = ndimage.gaussian_filter1d(agree, WALL_SMOOTH_RAD / WALL_BIN_RAD, mode="wrap")
+    score = np.interp(
+        np.mod(drifts, np.pi), np.arange(n + 1) * WALL_BIN_RAD, [*agree, agree[0]]
+    )  # fmt: skip
+    return as_readonly(wrap_angle(drifts[score >= share * score.max()]))
+
+
+def _by_direction(segments_m: FloatArray, n: int) -> FloatArray:
+    """Metres of wall by direction, a half turn in n bins."""
+    index = np.floor(np.mod(directions(segments_m), np.pi) / np.pi * n).astype(int) % n
+    return np.bincount(index, lengths(segments_m), n).astype(np.float64)
 
 
 def _fold(angle_rad: FloatArray) -> FloatArray:

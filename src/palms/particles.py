@@ -24,6 +24,7 @@ __all__ = [
     "MoveInfo",
     "Particles",
     "advance",
+    "any_drift",
     "effective_sample_size",
     "resample_systematic",
     "reweight",
@@ -161,7 +162,7 @@ def start_from(candidates: Candidates, n: int, key: RandomKey, own_frame: bool) 
         candidates.grid.origin_m, key.child(_PLACE, 1).word, position, drift,
     )  # fmt: skip
     if own_frame:
-        drift = _any_drift(n, key)
+        drift = any_drift(n, key)
     return Particles(position, drift, np.ones(n), candidates.label[index], np.full(n, 1 / n))
 
 
@@ -187,7 +188,7 @@ def start_everywhere(
     )  # fmt: skip
     label = np.zeros(n, np.int32)
     if drifts_rad is None:
-        drift = _any_drift(n, key)
+        drift = any_drift(n, key)
     else:
         label = _dealt(n, len(drifts_rad), key)
         drift = drifts_rad[label]
@@ -362,7 +363,8 @@ def _dealt(n: int, n_groups: int, key: RandomKey) -> npt.NDArray[np.int32]:
     return label
 
 
-def _any_drift(n: int, key: RandomKey) -> FloatArray:
+def any_drift(n: int, key: RandomKey) -> FloatArray:
+    """Draw n drifts evenly all around, in (-pi, pi]."""
     turn = np.empty((n, 1))
     loops.uniforms(key.child(_DRIFT).word, 1, turn)
     drift: FloatArray = as_readonly(wrap_angle(2 * np.pi * turn[:, 0]))

@@ -20,6 +20,7 @@ from palms.heatmap import Candidates
 from palms.observation import ScanPoints, log_likelihood
 from palms.particles import (
     Particles,
+    any_drift,
     effective_sample_size,
     resample_systematic,
     start_everywhere,
@@ -66,7 +67,7 @@ def start_posterior(
     index, weight = _by_root(likely.weight, n - n_spare, key.child(_JUDGE))
     start = likely.take(index, weight)
     if own_frame:
-        start = replace(start, drift_rad=start_everywhere(raster, len(start), key).drift_rad)
+        start = replace(start, drift_rad=any_drift(len(start), key))
     if not n_spare:
         return start
     drifts = None if own_frame else candidates.drifts_rad

@@ -80,7 +80,7 @@ def look_elsewhere(
         particles, _others(particles, sighting, conditions, key), declaration.search_share
     )
     unsure = replace(belief, doubt=declaration.doubt_after_search)
-    return replace(judge(unsure, wider, 0.0, None, declaration), stage=Stage.LOST)
+    return replace(judge(unsure, wider, declaration), stage=Stage.LOST)
 
 
 def _others(
@@ -110,19 +110,18 @@ def take_hint(
     conditions : Conditions
     key : RandomKey
     """
-    raster, settings = conditions.raster, conditions.settings
-    particles, kept = reweight(
-        belief.particles, hint.ratio(belief.particles.position_m, raster)
-    )  # fmt: skip
+    raster, settings, n = conditions.raster, conditions.settings, len(belief.particles)
+    others = _others(belief.particles, sighting, conditions, key)
+    ratio = hint.ratio(np.concatenate([belief.particles.position_m, others.position_m]), raster)
+    particles, kept = reweight(belief.particles, ratio[:n])
+    others, _ = reweight(others, ratio[n:])
     doubt = doubted(belief.doubt, kept, settings.declaration)
     left = max(doubt * (1 - hint.probability), settings.declaration.doubt_floor)
-    others = _others(particles, sighting, conditions, key)
-    others, _ = reweight(others, hint.ratio(others.position_m, raster))
     wider = adapted(
         mixed(particles, others, doubt), raster, settings.resampling,
         settings.start.n_particles, key,
     )  # fmt: skip
-    return judge(replace(belief, doubt=left), wider, 0.0, None, settings.declaration)
+    return judge(replace(belief, doubt=left), wider, settings.declaration)
 
 
 def look_again(
@@ -160,7 +159,7 @@ def look_again(
         settings.start.n_particles, key,
     )  # fmt: skip
     left = max(doubt * observation.elsewhere, declaration.doubt_floor)
-    return judge(replace(belief, doubt=left), wider, 0.0, None, declaration)
+    return judge(replace(belief, doubt=left), wider, declaration)
 
 
 def carried(particles: Particles, by_odom_m: FloatArray) -> Particles:

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
 from typing import NamedTuple
+
+from typer.testing import CliRunner
+
+from palms.cli.app import app
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -19,6 +25,7 @@ PAGES = sorted(
     + list((ROOT / "examples").glob("*.md"))
 )
 _BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+_PLAIN = re.compile(r"palms( [\w./:,=-]+)+")  # nothing that a shell would have to understand
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
 
 
@@ -54,8 +61,21 @@ def commands(text: str) -> list[tuple[str, str]]:
     return [(command, shown) for command, _, shown in (part.partition("\n") for part in parts)]
 
 
+def run(command: str, folder: Path, environment: dict[str, str]) -> tuple[str, Path]:
+    """Output of a command, and the folder that it leaves the shell in.
+
+    A plain ``palms`` command runs in this process, which has the libraries and loops ready.
+    """
+    if not _PLAIN.fullmatch(command):
+        return run_in_shell(command, folder, environment)
+    with contextlib.chdir(folder):
+        result = CliRunner().invoke(app, shlex.split(command)[1:], env=environment)
+    assert result.exit_code == 0, f"{command}\n{result.output}"
+    return result.stdout, folder
+
+
 def run_in_shell(command: str, folder: Path, environment: dict[str, str]) -> tuple[str, Path]:
-    """Output of a command, and the folder that it leaves the shell in."""
+    """The same, whatever the command is."""
     script = f"{command}\nstatus=$?\nprintf '\\001'\npwd\nexit $status"
     done = subprocess.run(
         ["bash", "-c", script], cwd=folder, env=environment, capture_output=True, text=True,

@@ -10,7 +10,7 @@ import os
 import tempfile
 from pathlib import Path
 
-from tests.docs.pages import PAGES, blocks, commands, name_of, run_in_shell, same, shell_environment
+from tests.docs.pages import PAGES, blocks, commands, name_of, run, same, shell_environment
 from tests.docs.test_code import run_python
 
 
@@ -24,7 +24,7 @@ def refreshed(page: Path, folder: Path) -> str:
                 printed = run_python(block.text, names, name_of(page))
         elif block.kind == "console":
             for command, shown in commands(block.text):
-                output, folder = run_in_shell(command, folder, environment)
+                output, folder = run(command, folder, environment)
                 if shown.strip() and not same(shown, output):
                     text = text.replace(shown, output.rstrip() + "\n", 1)
         elif block.kind == "text" and printed:

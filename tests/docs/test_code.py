@@ -12,7 +12,7 @@ from tests.docs.pages import (
     blocks,
     commands,
     name_of,
-    run_in_shell,
+    run,
     same,
     shell_environment,
 )
@@ -45,7 +45,7 @@ def test_code_runs_and_prints_what_the_page_shows(page, tmp_path, monkeypatch, e
             printed = run_python(block.text, names, name_of(page))
         elif block.kind == "console":
             for command, shown in commands(block.text):
-                output, folder = run_in_shell(command, folder, environment)
+                output, folder = run(command, folder, environment)
                 assert not shown or same(shown, output), f"$ {command}\n{output}"
         elif block.kind == "text" and printed:
             assert same(block.text, printed), printed

@@ -7,7 +7,7 @@ import pytest
 from tests.docs.pages import DOCS, PAGES, ROOT, blocks, name_of, prose
 
 LINK = re.compile(r"!?\[[^\]]*\]\(([^)\s]+)\)")
-MACHINE = re.compile(r"/work/|/tmp/|/root/|/home/|/usr/|(?<!\.\.)/shared/|localhost")
+MACHINE = re.compile(r"(?<![\w.:/~<>)-])/[a-z]+/\w|localhost")  # any absolute path
 UNFINISHED = re.compile(r"\b(TODO|FIXME|TBD|XXX)\b")
 
 

@@ -18,13 +18,14 @@ from palms.evaluation.processes import in_processes
 from palms.evaluation.workers import run_experiment
 from tests.evaluation.conftest import run_into
 
-SCRIPT = """
-import sys
+DIES = """
+import os, signal, sys
 from pathlib import Path
 from tests.evaluation.conftest import run_into, small
 if __name__ == "__main__":
-    run_into(Path(sys.argv[1]), small(), jobs=int(sys.argv[2]))
-"""
+    die = lambda _n: os.kill(os.getpid(), signal.SIGKILL)
+    run_into(Path(sys.argv[1]), small(), jobs=int(sys.argv[2]), progress=die)
+"""  # as soon as the first trials have arrived, while the workers are at the next
 
 
 def test_two_processes_give_the_same_bytes(experiment, expected, tmp_path):
@@ -34,9 +35,9 @@ def test_two_processes_give_the_same_bytes(experiment, expected, tmp_path):
 
 
 def start(folder, jobs):
-    """Run the experiment in a process of its own; it leads a group of its own."""
+    """Run the experiment in a process that dies; it leads a group of its own."""
     return subprocess.Popen(
-        [sys.executable, "-c", SCRIPT, str(folder), str(jobs)], start_new_session=True,
+        [sys.executable, "-c", DIES, str(folder), str(jobs)], start_new_session=True,
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )  # fmt: skip
 
@@ -66,11 +67,9 @@ def test_a_killed_run_goes_on_and_its_workers_end(experiment, expected, tmp_path
     folder = tmp_path / "r"
     process = start(folder, 2)
     try:
-        wait_for(lambda: lines_of(folder) or process.poll() is not None)
-        process.kill()
-        process.wait()
+        assert process.wait() == -signal.SIGKILL
         saved = lines_of(folder)
-        wait_for(lambda: nobody_left(process.pid), 20.0)
+        wait_for(lambda: nobody_left(process.pid))
     finally:
         if not nobody_left(process.pid):
             os.killpg(process.pid, signal.SIGKILL)

@@ -31,6 +31,12 @@ def palms(*arguments, cwd=None, **more):
     )  # fmt: skip
 
 
+def children_s():
+    """What ended processes of this one took of the processors; a busy machine changes little."""
+    times = os.times()
+    return times.children_user + times.children_system
+
+
 def check_failure(result, says=""):
     assert result.returncode == 1, result
     assert result.stdout == ""
@@ -44,9 +50,9 @@ def check_failure(result, says=""):
 def demo(tmp_path_factory):
     """The demo, run once; the loops may have to be compiled."""
     folder = tmp_path_factory.mktemp("demo")
-    start = time.monotonic()
+    start = children_s()
     result = palms("demo", "--json", "demo.json", cwd=folder)
-    return SimpleNamespace(result=result, folder=folder, seconds=time.monotonic() - start)
+    return SimpleNamespace(result=result, folder=folder, seconds=children_s() - start)
 
 
 @pytest.fixture(scope="session")
@@ -148,9 +154,9 @@ def test_help_is_light():
 
 def test_help_is_quick():
     def seconds():
-        start = time.monotonic()
+        start = children_s()
         assert palms("--help").returncode == 0
-        return time.monotonic() - start
+        return children_s() - start
 
     assert min(seconds() for _ in range(3)) < 1.0  # 0.3 on a quiet machine
 

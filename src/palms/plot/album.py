@@ -138,9 +138,11 @@ def _pictures(story: Story) -> Iterator[Picture]:
 
 def _pictures_of_scan(story: Story) -> Iterator[Picture]:
     heatmaps, candidates, here = story.heatmaps, story.candidates, story.scan_place_m
+    maps = story.maps
     assert heatmaps is not None
+    assert maps is not None
     assert candidates is not None
-    figure = pipeline_figure(heatmaps, candidates, truth_m=here)
+    figure = pipeline_figure(maps, candidates, truth_m=here)
     yield Picture("pipeline.png", "From the scan to particles", image_bytes(figure, dpi=_DPI),
                   _of_pipeline(story))  # fmt: skip
     figure = empty_space_figure(heatmaps, here)
@@ -167,8 +169,8 @@ def _of_track(story: Story) -> str:
             f"median and {known[-1]:.1f} m at the end"
         )
     words.append(f". Beneath it, over time: {'' if story.error_m is None else 'the error, '}")
-    words.append("the radius that holds 95 % of the belief, and the probability within 1 m, ")
-    words.append(f"which ends at {100 * last.p_within_1m:.0f} %.")
+    words.append("the radius that holds 95 % of the belief, and the probability within 2 m, ")
+    words.append(f"which ends at {100 * last.p_within_2m:.0f} %.")
     return "".join(words)
 
 
@@ -197,11 +199,11 @@ def _of_pipeline(story: Story) -> str:
     assert story.scan is not None
     drifts = story.candidates.drifts_rad
     listed = ", ".join(degrees(float(drift)) for drift in drifts[:4])
-    tried = listed if len(drifts) <= 4 else f"{len(drifts)} drifts all around"
+    tried = f"drifts of {listed}" if len(drifts) <= 4 else f"the best of {len(drifts)} drifts"
     return (
         f"Five steps from left to right: the {len(story.scan.walls_m)} walls of the scan; the "
         "floor plan; the template of wanted walls and certainly empty space; heatmaps of where "
-        f"it fits, for drifts of {tried}; and {len(story.candidates):,} candidate cells on the "
+        f"it fits, for {tried}; and {len(story.candidates):,} candidate cells on the "
         "plan, coloured and shaped by drift."
     )
 

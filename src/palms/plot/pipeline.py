@@ -16,7 +16,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from palms.errors import InputError
 from palms.geometry import FloatArray
-from palms.heatmap import Candidates, Heatmaps
+from palms.heatmap import Candidates, ScoreMaps
 from palms.particles import Particles
 from palms.plot.plans import draw_plan
 from palms.plot.recorder import by_weight
@@ -48,7 +48,7 @@ _HATCHED = 0.25  # of the template's bound: emptier cells are hatched, to be tol
 
 @styled
 def pipeline_figure(
-    heatmaps: Heatmaps,
+    heatmaps: ScoreMaps,
     candidates: Candidates,
     particles: Particles | None = None,
     truth_m: npt.ArrayLike | None = None,
@@ -57,7 +57,7 @@ def pipeline_figure(
 
     Parameters
     ----------
-    heatmaps : Heatmaps
+    heatmaps : Heatmaps or Likelihoods
         With more than four drifts, the best one of each quarter of the circle is shown.
     candidates : Candidates
         Found in these heatmaps.
@@ -137,7 +137,7 @@ def _reach_m(scan: Scan) -> float:
     return 1.04 * max(float(np.linalg.norm(scan.relative_m, axis=-1).max()), _RINGS_M[-1])
 
 
-def _plan_panel(axes: Axes, heatmaps: Heatmaps, truth: FloatArray | None) -> None:
+def _plan_panel(axes: Axes, heatmaps: ScoreMaps, truth: FloatArray | None) -> None:
     plan = heatmaps.raster.plan
     frame_map(axes, *plan.bounds_m)
     draw_plan(axes, plan, 0.5)
@@ -146,7 +146,7 @@ def _plan_panel(axes: Axes, heatmaps: Heatmaps, truth: FloatArray | None) -> Non
     axes.set_title("2  Floor plan")
 
 
-def _template_panel(figure: Figure, axes: Axes, heatmaps: Heatmaps, k: int) -> None:
+def _template_panel(figure: Figure, axes: Axes, heatmaps: ScoreMaps, k: int) -> None:
     """RW - alpha * CES at the scale of the scan: walls wanted, and walls not wanted."""
     template, cell = heatmaps.template(k), heatmaps.grid.cell_size_m
     reach = _reach_m(heatmaps.scan)
@@ -174,7 +174,7 @@ def _template_panel(figure: Figure, axes: Axes, heatmaps: Heatmaps, k: int) -> N
     axes.set_title(f"3  Template, drift {degrees(template.drift_rad)}")
 
 
-def _four_maps(heatmaps: Heatmaps) -> tuple[list[int], list[npt.NDArray[np.float32]]]:
+def _four_maps(heatmaps: ScoreMaps) -> tuple[list[int], list[npt.NDArray[np.float32]]]:
     """Return index and scores of the best drift of each style, in the order of the styles."""
     index = np.arange(len(heatmaps))
     style = groups_of(index, heatmaps.drifts_rad, by_label=len(heatmaps) <= len(GROUPS))
@@ -190,7 +190,7 @@ def _four_maps(heatmaps: Heatmaps) -> tuple[list[int], list[npt.NDArray[np.float
 def _heatmap_panels(
     figure: Figure,
     panels: Sequence[Axes],
-    heatmaps: Heatmaps,
+    heatmaps: ScoreMaps,
     shown: tuple[list[int], list[npt.NDArray[np.float32]]],
 ) -> None:
     """Heatmaps on one scale, each framed in the colour of its drift."""
@@ -212,7 +212,7 @@ def _heatmap_panels(
 
 
 def _heatmap_panel(
-    axes: Axes, heatmaps: Heatmaps, scores: npt.NDArray[np.float32], limits: tuple[float, float]
+    axes: Axes, heatmaps: ScoreMaps, scores: npt.NDArray[np.float32], limits: tuple[float, float]
 ) -> AxesImage:
     """One map, its best cell circled."""
     low, high = heatmaps.raster.plan.bounds_m
@@ -270,7 +270,7 @@ def _shrunk(scores: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
 def _particles_panel(
     axes: Axes,
     candidates: Candidates,
-    start: tuple[Particles | None, FloatArray | None, Heatmaps],
+    start: tuple[Particles | None, FloatArray | None, ScoreMaps],
 ) -> None:
     particles, truth, heatmaps = start
     plan = heatmaps.raster.plan

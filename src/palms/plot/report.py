@@ -31,6 +31,7 @@ _MOMENT_WORDS: Final = {
     "end": "end",
 }
 _SOURCES: Final = {"vio": "visual-inertial", "inertial": "inertial"}
+_LEAST_SHARE: Final = 0.001  # places of less are not worth a line
 _WIDE: Final = ("stages.png", "pipeline.png", "empty-space.png")  # scrolled on a phone
 _FOLDED: Final = (".gif",)  # moves: shown when asked for
 
@@ -213,7 +214,8 @@ def _moments(story: Story) -> str:
 
 def _hypotheses(story: Story) -> str:
     """Table of the places that hold most of the belief at the end."""
-    found = story.track.estimates[-1].hypotheses if len(story.track) else ()
+    every = story.track.estimates[-1].hypotheses if len(story.track) else ()
+    found = [each for each in every if each.share >= _LEAST_SHARE]
     if not found:
         return "<p>No place stood out at the end.</p>"
     rows = [

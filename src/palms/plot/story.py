@@ -11,8 +11,9 @@ import numpy.typing as npt
 from palms.errors import InputError
 from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray, as_readonly
-from palms.heatmap import Candidates, Heatmaps, match
+from palms.heatmap import Candidates, Heatmaps, ScoreMaps, match, scan_drifts
 from palms.localizer import Track
+from palms.observation import likelihoods
 from palms.odometry import Odometry
 from palms.plot.recorder import Recorder, Snapshot
 from palms.raster import PlanRaster
@@ -89,10 +90,20 @@ class Story:
 
     @cached_property
     def heatmaps(self) -> Heatmaps | None:
-        """The heatmaps behind the candidates; None without scan or candidates."""
+        """The paper's heatmaps of the scan, four drifts; None without scan or candidates."""
         if self.scan is None or self.candidates is None:
             return None
-        return match(self.scan, self.raster, self.candidates.drifts_rad, self.settings.template)
+        drifts_rad = scan_drifts(self.scan, self.raster, self.settings)
+        return match(self.scan, self.raster, drifts_rad, self.settings.template)
+
+    @property
+    def maps(self) -> ScoreMaps | None:
+        """The maps that the candidates come from; None without scan or candidates."""
+        if self.scan is None or self.candidates is None:
+            return None
+        if self.settings.start.source == "posterior":
+            return likelihoods(self.scan, self.raster, self.settings.observation)
+        return self.heatmaps
 
     @cached_property
     def error_m(self) -> FloatArray | None:

@@ -208,7 +208,7 @@ def _mark_stages(axes: Axes, track: Track) -> None:
     marks = [(first, "oriented, $t_1$", STAGE_LINES[Stage.ORIENTED])] if first != second else []
     word = "localized, $t_2$" if marks else "localized, $t_1 = t_2$"
     marks.append((second, word, STAGE_LINES[Stage.LOCALIZED]))
-    for at, word, dashes in marks:
+    for line, (at, word, dashes) in enumerate(reversed(marks)):
         if at is None:
             continue
         axes.axvline(
@@ -216,6 +216,6 @@ def _mark_stages(axes: Axes, track: Track) -> None:
         )
         if axes.get_yscale() == "log":
             axes.annotate(
-                word, (at, 0.0), xycoords=("data", "axes fraction"), xytext=(3, 4),
+                word, (at, 0.0), xycoords=("data", "axes fraction"), xytext=(3, 4 + 11 * line),
                 textcoords="offset points", fontsize=8, color=MUTED,
             )  # fmt: skip
