@@ -107,27 +107,27 @@ class Input:
         return read_any(group, self.path, self.format, self.options or ())
 
 
-def read_plan(source: Input) -> FloorPlan:
+def read_plan(given: Input) -> FloorPlan:
     """Read a floor plan."""
     from palms.io import FLOORPLANS
 
-    plan: FloorPlan = source.read(FLOORPLANS)
+    plan: FloorPlan = given.read(FLOORPLANS)
     return plan
 
 
-def read_scan(source: Input) -> Scan:
+def read_scan(given: Input) -> Scan:
     """Read a scan."""
     from palms.io import SCANS
 
-    scan: Scan = source.read(SCANS)
+    scan: Scan = given.read(SCANS)
     return scan
 
 
-def read_walk(source: Input) -> RecordedWalk:
+def read_walk(given: Input) -> RecordedWalk:
     """Read a recorded walk."""
     from palms.io import ODOMETRY
 
-    walk: RecordedWalk = source.read(ODOMETRY)
+    walk: RecordedWalk = given.read(ODOMETRY)
     return walk
 
 
