@@ -21,7 +21,7 @@ from palms.geometry import FloatArray
 from palms.inertial.log import GRAVITY_M_S2
 from palms.io.options import choice_option
 from palms.io.packed import lines_of, member_names, open_member
-from palms.io.reckoned import Gathered, ReckoningOptions, reckon, report_damage
+from palms.io.reckoned import Gathered, ReckoningOptions, at_times, reckon, report_damage
 from palms.io.registry import Format
 from palms.io.values import StrPath, parse_number
 from palms.io.walk import RecordedWalk
@@ -163,10 +163,7 @@ def _acceleration(log: dict[str, Readings]) -> Readings:
     """Acceleration with gravity, from the files that there are."""
     if "accelerometer" in log and len(log.get("gravity", _nothing(3))[0]) > 1:
         time, moved = log["accelerometer"]
-        at, gravity = log["gravity"]
-        order = np.argsort(at, kind="stable")
-        down = [np.interp(time, at[order], gravity[order, k]) for k in range(3)]
-        return time, moved + np.column_stack(down)
+        return time, moved + at_times(log["gravity"], time)
     whole = next((log[name] for name in _FELT[1:] if name in log), _nothing(3))
     if not len(whole[0]):
         return whole
@@ -217,8 +214,7 @@ def _earthward(turned: Readings, felt: Readings) -> Readings:
     time, quaternion = turned
     if len(time) < 2 or len(felt[0]) < 2:
         return turned
-    order = np.argsort(felt[0], kind="stable")
-    up = np.column_stack([np.interp(time, felt[0][order], felt[1][order, k]) for k in range(3)])
+    up = at_times(felt, time)
     x, y, z, w = quaternion.T
     agrees = _raised(x, y, z, w, up)
     return turned if agrees >= _raised(-x, -y, -z, w, up) else (time, quaternion * [-1, -1, -1, 1])
