@@ -106,7 +106,7 @@ def test_levels_are_chosen_and_listed(put, says):
 def test_gzip_and_its_bomb(put, says, monkeypatch):
     packed = gzip.compress(json.dumps(HALL).encode())
     assert read_plan_geojson(put("a.geojson.gz", packed)).size_m.tolist() == [8, 5]
-    monkeypatch.setattr("palms.io.plan_geojson.MAX_BYTES", 1_000_000)
+    monkeypatch.setattr("palms.io.packed.MAX_BYTES", 1_000_000)
     bomb = gzip.compress(b" " * 50_000_000)
     with pytest.raises(FormatError) as caught:
         read_plan_geojson(put("bomb.geojson.gz", bomb))

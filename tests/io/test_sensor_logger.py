@@ -138,7 +138,7 @@ def test_archives_cannot_reach_outside(pack, tmp_path, right):
 
 
 def test_bombs_are_refused(pack, monkeypatch, says):
-    monkeypatch.setattr("palms.io.packed.MAX_BYTES", 1_000_000)
+    monkeypatch.setattr("palms.io.archives.MAX_BYTES", 1_000_000)
     huge = "seconds_elapsed,x,y,z\n" + "1,0,0,0\n" * 200_000
     path = pack("ios", Gyroscope=huge)
     with pytest.raises(FormatError) as caught:
@@ -158,7 +158,7 @@ def test_a_table_of_contents_beyond_any_log_is_not_read(tmp_path, monkeypatch, s
         for k in range(200):
             archive.writestr(f"{k}.csv", "")
         archive.writestr("Accelerometer.csv", "seconds_elapsed,x,y,z\n")
-    monkeypatch.setattr("palms.io.packed._MAX_DIRECTORY", 5_000)
+    monkeypatch.setattr("palms.io.archives._MAX_DIRECTORY", 5_000)
     with pytest.raises(FormatError) as caught:
         read_walk(path, format="sensor-logger")
     says(caught.value, "many.zip", "no such file in it")

@@ -84,7 +84,7 @@ def read_android(
     --------
     >>> read_android("no/such/log.txt")
     Traceback (most recent call last):
-    palms.errors.InputError: no/such/log.txt: expected a file that can be read, got nothing ...
+    palms.errors.InputError: no/such/log.txt: expected a file, got nothing there; check the ...
     """
     options = ReckoningOptions(length, heading, step_m, leg_m)
     options.settings()

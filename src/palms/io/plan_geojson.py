@@ -6,8 +6,6 @@ areas are rooms and only rooms; where it names none, the edges of areas are the 
 
 from __future__ import annotations
 
-import gzip
-import io
 import json
 import warnings
 from collections import Counter
@@ -21,7 +19,8 @@ from palms.errors import FormatError, InputError, OutputError, PalmsWarning
 from palms.floorplan import FloorPlan, Room, SegmentClass
 from palms.geodesy import Origin
 from palms.geometry import FloatArray
-from palms.io.files import MAX_BYTES, head, read_bytes, sniff, write_json
+from palms.io.files import head, read_bytes, sniff, write_json
+from palms.io.packed import unzipped
 from palms.io.plan_parts import PlanParts, check_scale, middle_line, segments_along
 from palms.io.plan_words import Role, parse_classes, role_of
 from palms.io.registry import Format
@@ -48,25 +47,8 @@ class Feature(NamedTuple):
 
 
 def load_json(path: StrPath, expected: str) -> Any:  # noqa: ANN401
-    """Return what a JSON file holds, compressed by gzip or not; never more than `MAX_BYTES`."""
-    content = read_bytes(path)
-    if content[:2] == b"\x1f\x8b":
-        content = unzipped(content, str(path))
-    return parse_json(content, str(path), expected)
-
-
-def unzipped(content: bytes, what: str) -> bytes:
-    """Return what a gzip archive holds, at most `MAX_BYTES` of it."""
-    try:
-        with gzip.GzipFile(fileobj=io.BytesIO(content)) as file:
-            plain = file.read(MAX_BYTES + 1)
-    except (OSError, EOFError, ValueError) as error:
-        raise FormatError(what, expected="a whole gzip archive", got=brief(str(error))) from None
-    except Exception as error:  # zlib.error is no OSError
-        raise FormatError(what, expected="a whole gzip archive", got=brief(str(error))) from None
-    if len(plain) > MAX_BYTES:
-        raise FormatError(what, expected=f"at most {MAX_BYTES / 1e6:g} MB unpacked", got="more")
-    return plain
+    """Return what a JSON file holds, packed by gzip or not."""
+    return parse_json(unzipped(read_bytes(path), str(path)), str(path), expected)
 
 
 def parse_json(content: bytes, what: str, expected: str) -> Any:  # noqa: ANN401

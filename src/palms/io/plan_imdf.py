@@ -17,7 +17,8 @@ from palms.floorplan import FloorPlan, Room, SegmentClass
 from palms.geodesy import Origin
 from palms.geometry import FloatArray
 from palms.io.archives import member_names, read_members
-from palms.io.plan_geojson import Feature, parse_features, parse_json, unzipped
+from palms.io.packed import unzipped
+from palms.io.plan_geojson import Feature, parse_features, parse_json
 from palms.io.plan_parts import PlanParts, segments_along
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief, locating
@@ -123,8 +124,7 @@ def _load(path: StrPath) -> dict[str, list[_Item]]:
     items: dict[str, list[_Item]] = {kind: [] for kind in _TYPES}
     for kind, content in contents.items():
         what = f"{path}, {kind}"
-        plain = unzipped(content, what) if content[:2] == b"\x1f\x8b" else content
-        collection = parse_json(plain, what, "a GeoJSON FeatureCollection")
+        collection = parse_json(unzipped(content, what), what, "a GeoJSON FeatureCollection")
         listed = collection.get("features") if isinstance(collection, dict) else None
         features = parse_features(collection, what)
         ids = [each.get("id") for each in listed] if isinstance(listed, list) else []

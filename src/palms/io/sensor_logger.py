@@ -19,8 +19,9 @@ import numpy as np
 from palms.errors import FormatError, PalmsWarning
 from palms.geometry import FloatArray
 from palms.inertial.log import GRAVITY_M_S2
+from palms.io.archives import member_names, open_member
 from palms.io.options import choice_option
-from palms.io.packed import lines_of, member_names, open_member
+from palms.io.packed import lines_of
 from palms.io.reckoned import Gathered, ReckoningOptions, at_times, reckon, report_damage
 from palms.io.registry import Format
 from palms.io.values import StrPath, parse_number
