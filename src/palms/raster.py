@@ -47,7 +47,7 @@ class PlanRaster:
         What the particle loops need to know where moves end.
     settings : RasterSettings
     sights : dict
-        What `palms.observation` has worked out of it, kept for the next scan.
+        What `palms.sight` has worked out of it, kept for the next scan.
 
     Examples
     --------

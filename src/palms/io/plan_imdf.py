@@ -17,8 +17,8 @@ from palms.floorplan import FloorPlan, Room, SegmentClass
 from palms.geodesy import Origin
 from palms.geometry import FloatArray
 from palms.io.archives import member_names, read_members
+from palms.io.geojson import Feature, parse_features, parse_json
 from palms.io.packed import unzipped
-from palms.io.plan_geojson import Feature, parse_features, parse_json
 from palms.io.plan_parts import PlanParts, segments_along
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief, locating
