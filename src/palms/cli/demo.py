@@ -62,4 +62,4 @@ def _sample() -> Case:
     case = open_dataset(sample_folder()).cases[0]
     paths = case.plan_path, case.scan_paths[0], case.walk_path
     plan, scan, walk = (Input(path) for path in paths)
-    return read_case(plan, scan, walk, "arkit")
+    return read_case(plan, scan, walk)

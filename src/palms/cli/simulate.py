@@ -237,7 +237,7 @@ def _written(out: Path, task: _Task) -> Iterator[dict[str, Any]]:
     site = make_site(building, task.seed, ranges)
     for k, case in enumerate(simulate_site(site, Count(*task.count), task.settings, ranges)):
         folder = write_simulated(out, site, case, task.pictures)
-        walk = case.recorded.odometry(case.recorded.sources[0])
+        walk = case.recorded.odometry(case.recorded.usual_source)
         yield {
             "order": (task.seed, k),
             "scene": site.name,

@@ -95,7 +95,7 @@ def show(
     from palms.cli._inputs import Input, read_walk, walk_name
 
     recorded = read_walk(Input(walk, format, option))
-    odometry = recorded.odometry(walk_source.value if walk_source else recorded.sources[0])
+    odometry = recorded.odometry(walk_source.value if walk_source else recorded.usual_source)
     target = png or Path(f"{walk_name(walk)}.png")
     check_file(target)
     from palms.plot import walk_figure, write_figure
