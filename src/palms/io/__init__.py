@@ -20,9 +20,8 @@ from palms.io.dataset import (
     Dataset,
     check_same_session,
     open_dataset,
-    write_case,
-    write_plan,
 )
+from palms.io.dataset_output import write_case, write_plan
 from palms.io.events import Event, read_events, write_events
 from palms.io.files import read_json, read_text, write_json, write_text
 from palms.io.label import Label, read_label, write_label

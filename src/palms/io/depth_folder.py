@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from palms.io.depth_images import (
 )
 from palms.io.files import read_json
 from palms.io.plane_geometry import read_matrices
+from palms.io.planes import PLANES_FILE, read_sidecar
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief, check_array, locating
 from palms.scan import Scan
@@ -44,10 +46,11 @@ def read_depth_folder(
     Parameters
     ----------
     path : path
-        The folder with ``depths``, ``poses`` and ``intrinsics``.
+        The folder with ``depths``, ``poses`` and ``intrinsics``, and perhaps ``scan.json``
+        that says when and where the scan was taken.
     position : (x, y) or str, optional
-        The observation point on the ground; the origin when left out, or a place of the
-        camera when that is far off.
+        The observation point on the ground; when left out that of ``scan.json``, else the
+        origin, or a place of the camera when that is far off.
     floor : float, optional
         Height of the floor; found when left out.
     settings : ExtractionSettings, optional
@@ -58,7 +61,10 @@ def read_depth_folder(
     InputError
         When an image cannot be read, or they show no wall.
     """
-    return depth_scan(read_frames(path), path, DepthOptions(position, floor, settings))
+    stated = read_sidecar(Path(path) / PLANES_FILE)
+    here = stated.pop("position_m", None) if position is None else position
+    scan = depth_scan(read_frames(path), path, DepthOptions(here, floor, settings))
+    return replace(scan, **{key: stated[key] for key in ("time_s", "session") if key in stated})
 
 
 def read_coverage(path: StrPath, position_m: FloatArray) -> FloatArray:
