@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import json
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from palms.errors import PalmsError
 from palms.io import RecordedWalk, formats, read_walk
 from palms.io.registry import ODOMETRY
 from tests.io.damage import damaged, damages, outcome
+from tests.io.sensor_records import pushed, records
 
 DATA = Path(__file__).parent / "data" / "walks"
 FILES = {
@@ -27,7 +29,10 @@ FILES = {
     "sensor-logger-ios.zip": "sensor-logger",
 }
 GOOD = {name: (DATA / name).read_bytes() for name in FILES}
-SLOW = ("android.txt", "sensor-logger-ios.zip")
+FILES["export.json"] = FILES["pushed.jsonl"] = "sensor-logger"
+GOOD["export.json"] = json.dumps(records("ios")).encode()
+GOOD["pushed.jsonl"] = "\n".join(map(json.dumps, pushed("android"))).encode()
+SLOW = ("android.txt", "sensor-logger-ios.zip", "export.json", "pushed.jsonl")
 
 
 def attempt(path: Path, name: str | None) -> None:
