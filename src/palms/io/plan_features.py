@@ -17,7 +17,7 @@ from palms.io.plan_parts import PlanParts, middle_line, segments_along
 from palms.io.plan_words import Role, role_of
 from palms.io.values import brief, locating
 
-__all__ = ["Sorter", "class_key"]
+__all__ = ["Sorter", "ToMap", "class_key", "levels_of"]
 
 _CLASS_KEYS = ("class", "type", "kind", "category", "indoor", "feature_type", "layer")
 _REACH_M = 0.3  # ours: a door's line may lie that far from the wall's
@@ -33,6 +33,21 @@ def class_key(features: Sequence[Feature]) -> str | None:
     }
     best = max(known, key=lambda key: known[key])
     return best if known[best] else None
+
+
+def levels_of(feature: Feature) -> tuple[str, ...]:
+    """Return the levels that a feature is on; none when it does not say.
+
+    Examples
+    --------
+    >>> levels_of(Feature((), (), {"level": 0})), levels_of(Feature((), (), {"level": "1; 2"}))
+    (('0',), ('1', '2'))
+    """
+    level = feature.properties.get("level")
+    if isinstance(level, float) and level.is_integer():
+        level = int(level)
+    listed = level if isinstance(level, list) else str("" if level is None else level).split(";")
+    return tuple(name for each in listed if (name := str(each).strip()))
 
 
 def _text(value: object) -> str | None:

@@ -6,10 +6,12 @@ areas are rooms and only rooms; where it names none, the edges of areas are the 
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Sequence
+import functools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -19,16 +21,18 @@ from palms.geodesy import Origin
 from palms.geometry import FloatArray
 from palms.io.files import head, sniff, write_json
 from palms.io.geojson import Feature, load_json, parse_features
-from palms.io.plan_features import Sorter, class_key
+from palms.io.levels import LevelPlan, gather_levels
+from palms.io.plan_features import Sorter, ToMap, class_key, levels_of
 from palms.io.plan_parts import check_scale
-from palms.io.plan_words import parse_classes
+from palms.io.plan_words import Role, parse_classes
 from palms.io.registry import Format
-from palms.io.values import StrPath, brief
+from palms.io.values import StrPath, brief, parse_number
 
-__all__ = ["FORMAT", "read_plan_geojson", "write_plan_geojson"]
+__all__ = ["FORMAT", "read_levels_geojson", "read_plan_geojson", "write_plan_geojson"]
 
 _EXPECTED = "a GeoJSON FeatureCollection of walls, doors and rooms"
 _NAME_KEYS = ("name", "ref", "roomnumber", "room", "label")
+_MOST_LEVELS = 1000  # ours: higher numbers are none of a level
 _LONLAT_SPAN = 0.5  # ours: no building is half a degree wide, and none half a metre
 _FRAME = Literal["auto", "lonlat", "metres"]
 
@@ -66,7 +70,8 @@ def read_plan_geojson(  # noqa: PLR0913
     name_property : str, optional
         Property that names a room; name, ref, roomnumber, room or label when left out.
     level : str, optional
-        Of the features that have a property ``level``, those to take.
+        Of the features that have a property ``level``, those to take; one of several levels
+        lists them as ``0;1``.
 
     Raises
     ------
@@ -82,24 +87,129 @@ def read_plan_geojson(  # noqa: PLR0913
     ...     read_plan_geojson(f"{folder}/hall.geojson").size_m.tolist()
     [8.0, 5.0]
     """
-    from palms.io.plan_csv import plan_name
+    options = _Options(frame, scale, origin, class_property, parse_classes(classes), name_property)
+    drawing = _Drawing.of(path, options)
+    return drawing.plan(_choose(level, drawing.levels, str(path)))
 
-    check_scale(scale, f"{path}, option scale")
-    document = load_json(path, _EXPECTED)
-    every = list(parse_features(document, str(path)))
-    if not any(feature.lines or feature.rings for feature in every):
-        raise FormatError(str(path), expected=_EXPECTED, got="no line and no area")
-    features, level = _of_level(every, level, str(path))
-    to_map, known = _frame(every, frame, scale, origin, document)
-    words = parse_classes(classes)
-    key = class_property or class_key(features)
-    names = (name_property,) if name_property else _NAME_KEYS
-    parts = Sorter(key, words, names).sort(features, to_map, str(path))
-    named = document.get("name") if isinstance(document, dict) else None
-    title = named if isinstance(named, str) and named else plan_name(_without_gz(path))
-    if level is None and isinstance(document, dict) and document.get("level") is not None:
-        level = str(document["level"])
-    return parts.build(path, title, level, known)
+
+def read_levels_geojson(  # noqa: PLR0913
+    path: StrPath,
+    *,
+    frame: _FRAME = "auto",
+    scale: float = 1.0,
+    origin: tuple[float, float] | None = None,
+    class_property: str | None = None,
+    classes: str | None = None,
+    name_property: str | None = None,
+) -> tuple[LevelPlan, ...]:
+    """Read all levels that the property ``level`` of features names, in one frame.
+
+    Parameters
+    ----------
+    path, frame, scale, origin, class_property, classes, name_property
+        As in `read_plan_geojson`.
+
+    Returns
+    -------
+    tuple of LevelPlan
+        From the lowest up: by the levels' numbers, or in the order in which the file has
+        them where one is no number.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read.
+    """
+    options = _Options(frame, scale, origin, class_property, parse_classes(classes), name_property)
+    drawing = _Drawing.of(path, options)
+    names = drawing.levels or (None,)
+    return gather_levels(
+        (name or drawing.own_level or "", ordinal, functools.partial(drawing.plan, name))
+        for name, ordinal in zip(names, _ordinals(names), strict=True)
+    )
+
+
+def _ordinals(names: Sequence[str | None]) -> list[float]:
+    """Return the numbers of levels; their places in the file where one has none."""
+    numbers = [parse_number(name or "0") for name in names]
+    known = [number for number in numbers if number is not None and abs(number) < _MOST_LEVELS]
+    return known if len(known) == len(names) else [float(k) for k in range(len(names))]
+
+
+def _choose(level: str | None, known: Sequence[str], what: str) -> str | None:
+    """Return the level to read: the one that was asked for, or the only one."""
+    if level is None and len(known) > 1:
+        raise InputError(
+            what, expected="one level", got=f"levels {', '.join(sorted(known))}",
+            fix="choose one with the option level=NAME",
+        )  # fmt: skip
+    if level is not None and level not in known:
+        listed = ", ".join(sorted(known)) or "no feature with a level"
+        raise InputError(f"{what}, option level", expected=f"one of {listed}", got=brief(level))
+    return level if level is not None else next(iter(known), None)
+
+
+class _Options(NamedTuple):
+    """What a user may say of the file; see `read_plan_geojson`."""
+
+    frame: _FRAME
+    scale: float
+    origin: tuple[float, float] | None
+    class_property: str | None
+    words: Mapping[str, Role]
+    name_property: str | None
+
+
+@dataclass(frozen=True)
+class _Drawing:
+    """The features of a file, and how its plans are to be made."""
+
+    path: StrPath
+    document: Any
+    features: Sequence[Feature]
+    to_map: ToMap
+    origin: Origin | None
+    options: _Options
+
+    @classmethod
+    def of(cls, path: StrPath, options: _Options) -> _Drawing:
+        """Read a file."""
+        check_scale(options.scale, f"{path}, option scale")
+        document = load_json(path, _EXPECTED)
+        features = list(parse_features(document, str(path)))
+        if not any(feature.lines or feature.rings for feature in features):
+            raise FormatError(str(path), expected=_EXPECTED, got="no line and no area")
+        to_map, origin = _frame(features, options, document)
+        return cls(path, document, features, to_map, origin, options)
+
+    @cached_property
+    def levels(self) -> tuple[str, ...]:
+        """Names of the levels, in the order of the file."""
+        return tuple(dict.fromkeys(name for each in self.features for name in levels_of(each)))
+
+    @property
+    def own_level(self) -> str | None:
+        """What the file as a whole says of its level."""
+        known = self.document.get("level") if isinstance(self.document, dict) else None
+        return None if known is None else str(known)
+
+    @property
+    def name(self) -> str:
+        """What to call its plans."""
+        from palms.io.plan_csv import plan_name
+
+        named = self.document.get("name") if isinstance(self.document, dict) else None
+        return named if isinstance(named, str) and named else plan_name(_without_gz(self.path))
+
+    def plan(self, level: str | None) -> FloorPlan:
+        """Return the plan of a level; features without a level are on all of them."""
+        here = [each for each in self.features if level in (levels_of(each) or (level,))]
+        options = self.options
+        names = (options.name_property,) if options.name_property else _NAME_KEYS
+        sorter = Sorter(options.class_property or class_key(here), options.words, names)
+        parts = sorter.sort(here, self.to_map, str(self.path))
+        shown = self.own_level if level is None else level
+        return parts.build(self.path, self.name, shown, self.origin)
 
 
 def _without_gz(path: StrPath) -> Path:
@@ -107,47 +217,27 @@ def _without_gz(path: StrPath) -> Path:
     return place.with_suffix("") if place.suffix.lower() == ".gz" else place
 
 
-def _of_level(
-    features: Sequence[Feature], level: str | None, what: str
-) -> tuple[list[Feature], str | None]:
-    """Features of one level; those without a level are on all of them."""
-    levels = Counter(
-        str(value) for f in features if (value := f.properties.get("level")) not in (None, "")
-    )
-    if level is None and len(levels) > 1:
-        raise InputError(
-            what, expected="one level", got=f"levels {', '.join(sorted(levels))}",
-            fix="choose one with the option level=NAME",
-        )  # fmt: skip
-    if level is not None and level not in levels:
-        known = ", ".join(sorted(levels)) or "no feature with a level"
-        raise InputError(f"{what}, option level", expected=f"one of {known}", got=brief(level))
-    chosen = level if level is not None else next(iter(levels), None)
-    return [f for f in features if str(f.properties.get("level") or chosen) == str(chosen)], chosen
-
-
 def _frame(
     features: Sequence[Feature],
-    frame: _FRAME,
-    scale: float,
-    origin: tuple[float, float] | None,
+    options: _Options,
     document: Any,  # noqa: ANN401
-) -> tuple[Any, Origin | None]:
+) -> tuple[ToMap, Origin | None]:
     """Return what turns coordinates into metres of the map, and the map's origin."""
     points = np.concatenate([p for f in features for p in (*f.lines, *f.rings)])
     low, high = points.min(axis=0), points.max(axis=0)
-    span = float((high - low).max())
+    span, frame = float((high - low).max()), options.frame
     on_earth = bool((np.abs(low) <= 360).all() and np.abs([low[1], high[1]]).max() <= 89.9)
     if frame == "metres" or (frame == "auto" and not (on_earth and span < _LONLAT_SPAN)):
         stated = document.get("origin") if isinstance(document, dict) else None
-        place = origin or (tuple(stated) if isinstance(stated, list) and len(stated) == 2 else None)
+        stated = tuple(stated) if isinstance(stated, list) and len(stated) == 2 else None
+        place = options.origin or stated
         known = None if place is None else Origin(*(float(v) for v in place))
-        return (lambda each: each * scale), known
+        return (lambda each: each * options.scale), known
     if not on_earth:
         raise InputError(
             "option frame=lonlat", expected="degrees", got=f"coordinates up to {high.max():g}"
         )
-    lon, lat = origin or (round(float(v), 7) for v in (low + high) / 2)
+    lon, lat = options.origin or (round(float(v), 7) for v in (low + high) / 2)
     centre = Origin(lon, lat)
     return centre.to_local, centre
 
@@ -216,4 +306,5 @@ FORMAT = Format(
     recognizes=_recognizes,
     read=read_plan_geojson,
     write=write_plan_geojson,
+    read_levels=read_levels_geojson,
 )

@@ -6,7 +6,10 @@ and without what openings stand in. A unit of a wall's material is a solid, and 
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -18,13 +21,14 @@ from palms.geodesy import Origin
 from palms.geometry import FloatArray
 from palms.io.archives import member_names, read_members
 from palms.io.geojson import Feature, parse_features, parse_json
+from palms.io.levels import LevelPlan, gather_levels
 from palms.io.packed import unzipped
 from palms.io.plan_parts import PlanParts, segments_along
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief, locating
 from palms.repair import merge
 
-__all__ = ["FORMAT", "read_plan_imdf"]
+__all__ = ["FORMAT", "read_levels_imdf", "read_plan_imdf"]
 
 _TYPES = ("level", "unit", "opening", "fixture", "kiosk", "building", "anchor", "occupant")
 _NEEDED = ("level", "unit")
@@ -34,6 +38,7 @@ _WALKWAYS = (
 )  # fmt: skip
 _SOLIDS = ("brick", "column", "concrete", "drywall", "structure", "wood", "glass")
 _NO_ROOM = (*_SOLIDS, "opentobelow", "nonpublic")
+_MOST_LEVELS = 1000  # ours: higher ordinals are damage
 _GRID_M = 0.001  # ours: corners that near are one
 _SLIVER_M = 0.03  # ours: gaps between units that are drawing errors
 _REACH_M = 0.3  # ours: an opening may lie that far from the wall's line
@@ -83,29 +88,96 @@ def read_plan_imdf(
         When it cannot be read, or the level is not named and there are several; the message
         lists them.
     """
-    items = _load(path)
-    buildings = {each.id: each.get("name") for each in items["building"]}
-    chosen = _choose(items["level"], (level, building), buildings, language, str(path))
-    rings = [ring for each in items["level"] for ring in each.feature.rings]
-    corners = np.concatenate(rings) if rings else np.empty((0, 2))
-    if not len(corners):
-        raise FormatError(f"{path}, level", expected="areas", got="none")
-    middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
-    lon, lat = origin or (round(float(v), 7) for v in middle)
-    with locating(path):
-        place = Origin(lon, lat)
-    here = {
-        kind: [each for each in found if each.get("level_id") == chosen.id]
-        for kind, found in items.items()
-    }
-    parts = _walls(here, place, fixtures)
-    parts.rooms = _rooms(here["unit"], _tenants(items, language), place, language, str(path))
-    if chosen.feature.rings:
-        parts.outline_m = place.to_local(max(chosen.feature.rings, key=len))[:-1]
-    name = _owner(chosen, buildings, language) or Path(path).resolve().stem
-    title = _label(chosen.get("name"), language) or _ordinal(chosen)
-    plan, _ = merge(parts.build(path, name, title, place))  # edges that two units share
-    return plan
+    venue = _Venue.of(path, language, fixtures, origin)
+    return venue.plan(_choose(venue.items["level"], (level, building), venue))
+
+
+def read_levels_imdf(
+    path: StrPath,
+    *,
+    building: str | None = None,
+    language: str | None = None,
+    fixtures: bool = True,
+    origin: tuple[float, float] | None = None,
+) -> tuple[LevelPlan, ...]:
+    """Read all levels of a venue, or of one of its buildings, in one frame.
+
+    Parameters
+    ----------
+    path, building, language, fixtures, origin
+        As in `read_plan_imdf`.
+
+    Returns
+    -------
+    tuple of LevelPlan
+        By ordinal, from the lowest up; a plan's name is that of its building.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read, or there is no such building.
+    """
+    venue = _Venue.of(path, language, fixtures, origin)
+    levels = _fitting(venue.items["level"], (None, building), venue)
+    if not levels:
+        raise _not_one(venue.items["level"], levels, (None, building), venue)
+    return gather_levels(
+        (venue.title(each), _number(each), functools.partial(venue.plan, each)) for each in levels
+    )
+
+
+@dataclass(frozen=True)
+class _Venue:
+    """What an archive holds, and how its plans are to be made."""
+
+    path: StrPath
+    items: Mapping[str, Sequence[_Item]]
+    origin: Origin
+    language: str | None
+    fixtures: bool
+
+    @classmethod
+    def of(
+        cls,
+        path: StrPath,
+        language: str | None,
+        fixtures: bool,
+        origin: tuple[float, float] | None,
+    ) -> _Venue:
+        """Read an archive; the origin is the middle of all its levels when left out."""
+        items = _load(path)
+        rings = [ring for each in items["level"] for ring in each.feature.rings]
+        corners = np.concatenate(rings) if rings else np.empty((0, 2))
+        if not len(corners):
+            raise FormatError(f"{path}, level", expected="areas", got="none")
+        middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
+        lon, lat = origin or (round(float(v), 7) for v in middle)
+        with locating(path):
+            return cls(path, items, Origin(lon, lat), language, fixtures)
+
+    @cached_property
+    def buildings(self) -> dict[str, Any]:
+        """Names of the buildings by their id."""
+        return {each.id: each.get("name") for each in self.items["building"]}
+
+    def title(self, level: _Item) -> str:
+        """Return what to call a level."""
+        return _label(level.get("name"), self.language) or _ordinal(level)
+
+    def plan(self, level: _Item) -> FloorPlan:
+        """Return the plan of a level."""
+        here = {
+            kind: [each for each in found if each.get("level_id") == level.id]
+            for kind, found in self.items.items()
+        }
+        parts = _walls(here, self.origin, self.fixtures)
+        tenants = _tenants(self.items, self.language)
+        parts.rooms = _rooms(here["unit"], tenants, self.origin, self.language, str(self.path))
+        if level.feature.rings:
+            parts.outline_m = self.origin.to_local(max(level.feature.rings, key=len))[:-1]
+        name = _owner(level, self) or Path(self.path).resolve().stem
+        plan, _ = merge(parts.build(self.path, name, self.title(level), self.origin))
+        return plan  # merged: two units share an edge
 
 
 def _members() -> dict[str, str]:
@@ -151,31 +223,44 @@ def _ordinal(level: _Item) -> str:
     return f"{value:g}" if isinstance(value, int | float) else ""
 
 
-def _choose(
-    levels: Sequence[_Item],
-    wanted: tuple[str | None, str | None],
-    buildings: Mapping[str, Any],
-    language: str | None,
-    what: str,
-) -> _Item:
-    """Return the level that was asked for, or say which there are."""
+def _number(level: _Item) -> float:
+    value = level.get("ordinal")
+    return float(value) if isinstance(value, int | float) and abs(value) < _MOST_LEVELS else 0.0
+
+
+_Wanted = tuple[str | None, str | None]
+
+
+def _fitting(levels: Sequence[_Item], wanted: _Wanted, venue: _Venue) -> list[_Item]:
+    """Return the levels of some name, ordinal or id, and of some building."""
     level, building = wanted
-    fitting = [
+    return [
         each for each in levels
         if (level is None or level in _names(each))
-        and (building is None or building in _owners(each, buildings))
+        and (building is None or building in _owners(each, venue.buildings))
     ]  # fmt: skip
+
+
+def _choose(levels: Sequence[_Item], wanted: _Wanted, venue: _Venue) -> _Item:
+    """Return the level that was asked for, or say which there are."""
+    fitting = _fitting(levels, wanted, venue)
     if len(fitting) == 1:
         return fitting[0]
+    raise _not_one(levels, fitting, wanted, venue)
+
+
+def _not_one(
+    levels: Sequence[_Item], fitting: Sequence[_Item], wanted: _Wanted, venue: _Venue
+) -> InputError:
     shown = "; ".join(
-        f"{_label(each.get('name'), language) or 'no name'} (ordinal {_ordinal(each)}, "
-        f"{_owner(each, buildings, language) or 'no building'}, "
+        f"{_label(each.get('name'), venue.language) or 'no name'} (ordinal {_ordinal(each)}, "
+        f"{_owner(each, venue) or 'no building'}, "
         f"id {each.id})"
         for each in (fitting or levels)[:20]
     )
     asked = ", ".join(f"{k}={v!r}" for k, v in zip(("level", "building"), wanted, strict=True) if v)
-    raise InputError(
-        f"{what}, option level",
+    return InputError(
+        f"{venue.path}, option level",
         expected=f"one of {shown}",
         got=asked if not fitting else f"{len(fitting)} that fit{' ' + asked if asked else ''}",
         fix="choose with the options level=NAME, ordinal or id, and building=NAME",
@@ -204,8 +289,9 @@ def _owners(level: _Item, buildings: Mapping[str, Any]) -> set[str]:
     return set(ids).union(*(_texts(buildings.get(each)) for each in ids))
 
 
-def _owner(level: _Item, buildings: Mapping[str, Any], language: str | None) -> str:
-    return ", ".join(filter(None, (_label(buildings.get(i), language) for i in _ids(level))))
+def _owner(level: _Item, venue: _Venue) -> str:
+    names = (_label(venue.buildings.get(each), venue.language) for each in _ids(level))
+    return ", ".join(filter(None, names))
 
 
 def _polygon(item: _Item, place: Origin) -> Any:  # noqa: ANN401
@@ -304,4 +390,5 @@ FORMAT = Format(
     suffixes=(".imdf", ".zip"),
     recognizes=_recognizes,
     read=read_plan_imdf,
+    read_levels=read_levels_imdf,
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,12 +14,14 @@ from palms.io.values import StrPath
 
 if TYPE_CHECKING:
     from palms.floorplan import FloorPlan
+    from palms.io.levels import LevelPlan
     from palms.io.walk import RecordedWalk
     from palms.odometry import Odometry
     from palms.scan import Scan
 
 __all__ = [
     "read_any",
+    "read_building",
     "read_floorplan",
     "read_scan",
     "read_walk",
@@ -58,13 +60,21 @@ def read_any(group: str, path: StrPath, name: str | None = None, texts: Sequence
     return _recorded(value, path) if group == ODOMETRY else value
 
 
-def _read(reader: Any, group: str, path: StrPath, options: dict[str, Any]) -> Any:  # noqa: ANN401
+def _read(
+    reader: Any,  # noqa: ANN401
+    group: str,
+    path: StrPath,
+    options: dict[str, Any],
+    read: Callable[..., Any] | None = None,
+) -> Any:  # noqa: ANN401
+    """Read by a reader's function, its `read` when left out; what is wrong is said in a line."""
+    read = read or reader.read
     try:
-        inspect.signature(reader.read).bind(path, **options)
+        inspect.signature(read).bind(path, **options)
     except TypeError as error:
         raise InputError(f"options for format {reader.name}", got=str(error)) from None
     try:
-        return reader.read(path, **options)
+        return read(path, **options)
     except RecursionError:
         raise InputError(str(path), expected=f"a {WHAT[group]}", got="too deep nesting") from None
     except ImportError as error:
@@ -107,6 +117,58 @@ def read_floorplan(path: StrPath, *, format: str | None = None, **options: Any) 
     reader = choose_format(FLOORPLANS, path, format)
     plan: FloorPlan = _read(reader, FLOORPLANS, path, options)
     return plan
+
+
+def read_building(
+    path: StrPath,
+    *,
+    format: str | None = None,
+    **options: Any,  # noqa: ANN401
+) -> tuple[LevelPlan, ...]:
+    r"""Read all levels of a building, in one frame; any format's plan is one of one level.
+
+    Parameters
+    ----------
+    path : path
+        The file or folder.
+    format : str, optional
+        Name of its format; found out when left out.
+    **options
+        For the reader of that format; `level` is none of them.
+
+    Returns
+    -------
+    tuple of LevelPlan
+        From the lowest up. A level without a wall is left out, with a `PalmsWarning`.
+
+    Raises
+    ------
+    InputError
+        When nothing is there, no format fits, or its content is at fault.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from palms.io.files import write_json
+    >>> def wall(y, level):
+    ...     line = {"type": "LineString", "coordinates": [[0, y], [8, y]]}
+    ...     return {"type": "Feature", "geometry": line, "properties": {"level": level}}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     features = [wall(0, 1), wall(5, 0)]
+    ...     write_json(f"{folder}/a.geojson", {"type": "FeatureCollection", "features": features})
+    ...     levels = read_building(f"{folder}/a.geojson")
+    >>> [(level.name, level.ordinal, level.plan.segments_m[0].tolist()) for level in levels]
+    [('0', 0.0, [[0.0, 5.0], [8.0, 5.0]]), ('1', 1.0, [[0.0, 0.0], [8.0, 0.0]])]
+    """
+    from palms.io.levels import LevelPlan
+
+    reader = choose_format(FLOORPLANS, path, format)
+    read_levels = getattr(reader, "read_levels", None)
+    if read_levels is None:
+        plan: FloorPlan = _read(reader, FLOORPLANS, path, options)
+        return (LevelPlan(plan.level or "", 0.0, plan),)
+    levels: tuple[LevelPlan, ...] = _read(reader, FLOORPLANS, path, options, read_levels)
+    return levels
 
 
 def write_floorplan(plan: FloorPlan, path: StrPath, *, format: str | None = None) -> None:

@@ -93,6 +93,9 @@ class Format:
         ``(value, path) -> None``.
     extra : str, optional
         The extra of the package that brings what it needs; None when nothing is needed.
+    read_levels : callable, optional
+        ``(path, **options) -> levels``, of a floor plan's format that can hold several: a
+        tuple of `palms.io.LevelPlan` in one frame, from the lowest up.
 
     Examples
     --------
@@ -108,6 +111,7 @@ class Format:
     read: Callable[..., Any]
     write: Callable[..., None] | None = None
     extra: str | None = None
+    read_levels: Callable[..., tuple[Any, ...]] | None = None
 
 
 def _load(reference: str) -> Any:  # noqa: ANN401
