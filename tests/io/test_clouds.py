@@ -144,6 +144,7 @@ def header_only(shape, dtype="<f8"):
         (header_only((10**12, 3)), "at most 2 GB"),
         (header_only((1000, 3)), "1000 points, as its header says"),
         (header_only((1000, 3), "|O"), "points|shape"),
+        (header_only((1, 200_000_000)), r"\(P, 3\)"),
         (saved(a=np.zeros(5)), r"\(P, 3\)"),
         (saved(a=np.zeros((5, 3), complex)), r"\(P, 3\)"),
         (saved(xyz=np.array([[None, 1, 2]], object)), r"\(P, 3\)"),

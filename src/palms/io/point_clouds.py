@@ -110,8 +110,13 @@ def cloud_file(path: StrPath, expected: str, fix: str = "") -> Iterator[None]:
         raise InputError(str(path), expected=expected, got="a folder", fix="name the file in it")
     try:
         yield
-    except (InputError, ImportError, MemoryError, KeyboardInterrupt, SystemExit):
+    except (InputError, ImportError, KeyboardInterrupt, SystemExit):
         raise
+    except MemoryError:
+        raise InputError(
+            str(path), expected="points that fit into memory", got="more",
+            fix="thin the cloud first",
+        ) from None  # fmt: skip
     except BaseException as error:  # compiled decompressors panic on damaged files
         reason = getattr(error, "strerror", None) or brief(str(error), 80)
         raise FormatError(str(path), expected=expected, got=reason, fix=fix) from None
