@@ -5,7 +5,7 @@ import pytest
 
 from palms.floorplan import FloorPlan, SegmentClass
 from palms.geometry import rotate, wrap_angle
-from palms.observation import blurred, log_likelihood, scan_points, search, see
+from palms.observation import log_likelihood, scan_points, search
 from palms.orientation import likely_drifts
 from palms.raster import rasterize
 from palms.scan import Scan
@@ -161,14 +161,6 @@ def test_likely_drifts_leave_out_what_no_wall_allows():
     assert len(drifts) < 40
     assert off.max() < np.radians(16)
     assert off.min() < OURS.drift_step_rad / 2 + 1e-9
-
-
-def test_what_a_plan_looks_like_is_kept_and_not_mixed_up():
-    other = dataclasses.replace(OURS, wall_sd_m=0.4)
-    assert see(RASTER, OURS) is see(RASTER, OURS)
-    assert see(RASTER, OURS) is not see(RASTER, other)
-    assert blurred(RASTER, OURS, 2) is blurred(RASTER, OURS, 2)
-    assert blurred(RASTER, OURS, 2) is not blurred(RASTER, OURS, 3)
 
 
 def test_large_buildings_are_searched_with_larger_cells():
