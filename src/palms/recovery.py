@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from palms.belief import Belief, Stage
+from palms.building import Atlas
 from palms.declaration import doubted, judge
 from palms.geometry import FloatArray, rotate_each
 from palms.grid import Grid
@@ -39,12 +40,15 @@ class Conditions(NamedTuple):
         For the phone's kind of odometry.
     own_frame : bool
         Whether the odometry's frame is not the scan's.
+    atlas : Atlas or None
+        Of a building of several levels.
     """
 
     raster: PlanRaster
     settings: Settings
     motion: MotionSettings
     own_frame: bool
+    atlas: Atlas | None = None
 
 
 class Sighting(NamedTuple):
@@ -89,7 +93,7 @@ def _others(
     particles: Particles, sighting: Sighting | None, conditions: Conditions, key: RandomKey
 ) -> Particles:
     """Other places: anywhere with the drifts that are known, and what the latest scan said."""
-    raster, settings, motion, own_frame = conditions
+    raster, settings, motion, own_frame, _ = conditions
     n = max(1, settings.start.n_particles // 2)
     turns = particles.drift_rad[:: max(1, len(particles) // N_TURNS)]
     others = anywhere(raster, n, turns, TURN_RAD, key.child(0))
@@ -114,7 +118,10 @@ def take_hint(
     """
     raster, settings, n = conditions.raster, conditions.settings, len(belief.particles)
     others = _others(belief.particles, sighting, conditions, key)
-    ratio = hint.ratio(np.concatenate([belief.particles.position_m, others.position_m]), raster)
+    if hint.level is not None and conditions.atlas is not None:
+        others = mixed(others, _moved(belief.particles, hint.level, conditions.atlas), 0.5)
+    places = np.concatenate([belief.particles.position_m, others.position_m])
+    ratio = hint.ratio(places, raster, conditions.atlas)
     particles, kept = reweight(belief.particles, ratio[:n])
     others, _ = reweight(others, ratio[n:])
     doubt = doubted(belief.doubt, kept, settings.declaration)
@@ -124,6 +131,12 @@ def take_hint(
         settings.start.n_particles, key,
     )  # fmt: skip
     return judge(replace(belief, doubt=left), wider, settings.declaration)
+
+
+def _moved(particles: Particles, level: str, atlas: Atlas) -> Particles:
+    """Move particles to a level; no stairs are asked for, since no plan shows all of them."""
+    index = atlas.building.index(level)
+    return replace(particles, position_m=atlas.on_level(particles.position_m, index))
 
 
 def look_again(
@@ -143,7 +156,7 @@ def look_again(
     conditions : Conditions
     key : RandomKey
     """
-    raster, settings, motion, own_frame = conditions
+    raster, settings, motion, own_frame, _ = conditions
     observation, declaration = settings.observation, settings.declaration
     particles, kept = reweight(belief.particles, _ratio(belief.particles, sighting, conditions))
     doubt = doubted(belief.doubt, kept, declaration)

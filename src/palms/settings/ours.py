@@ -7,7 +7,7 @@ from typing import Literal
 
 from palms.settings.checks import check
 
-__all__ = ["DeclarationSettings", "ObservationSettings", "ResamplingSettings"]
+__all__ = ["DeclarationSettings", "LevelSettings", "ObservationSettings", "ResamplingSettings"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -241,3 +241,27 @@ class DeclarationSettings:
             search_share=(0 <= self.search_share < 1, "0 to below 1", self.search_share),
             search_every_m=(self.search_every_m > 0, "above 0 m", self.search_every_m),
         )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class LevelSettings:
+    """How people get from level to level of a building.
+
+    Parameters
+    ----------
+    climb_per_s : float
+        How soon somebody on stairs or in a lift has left the level, a rate (ours).
+    reach_m : float
+        Stairs count for so much around their outline, since plans and answers err; more than
+        a corridor's half width would let people climb who only pass by (ours).
+    """
+
+    climb_per_s: float = 0.15
+    reach_m: float = 0.3
+
+    def __post_init__(self) -> None:
+        check(
+            "levels",
+            climb_per_s=(self.climb_per_s >= 0, "0 or more per second", self.climb_per_s),
+            reach_m=(0 <= self.reach_m <= 50, "0 to 50 m", self.reach_m),
+        )
