@@ -120,7 +120,7 @@ def test_hints_that_cannot_be_are_refused():
         localizer.hint(Hint(room="Attic"))
     with pytest.raises(InputError, match="a place in the building"):
         localizer.hint(Hint((500.0, 500.0)))
-    with pytest.raises(InputError, match="a place or a room"):
+    with pytest.raises(InputError, match="a place, a room or a level"):
         Hint()
 
 

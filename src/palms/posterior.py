@@ -11,7 +11,14 @@ import numpy.typing as npt
 from palms._compiled import filter as loops
 from palms.geometry import FloatArray, as_readonly
 from palms.heatmap import Candidates
-from palms.observation import ScanPoints, log_likelihood, scan_points, search
+from palms.observation import (
+    ScanPoints,
+    empty_nats,
+    rough_nats,
+    scan_points,
+    search,
+    wall_nats,
+)
 from palms.particles import resample_systematic
 from palms.randomness import RandomKey, as_key
 from palms.raster import PlanRaster
@@ -20,7 +27,8 @@ from palms.settings import ObservationSettings
 
 __all__ = ["Posterior", "judged", "posterior"]
 
-_INDEX, _PLACE, _TURN = 0, 1, 2  # purposes of random numbers
+_INDEX, _PLACE, _TURN, _CHOOSE = 0, 1, 2, 3  # purposes of random numbers
+FEW = 500  # ours: poses that set what the others must reach
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,10 +102,12 @@ def posterior(
 def judged(
     candidates: Candidates, points: ScanPoints, raster: PlanRaster, settings: ObservationSettings
 ) -> Posterior:
-    """Propose poses by the candidates and judge each by the likelihood.
+    """Propose poses by the candidates, look at each roughly, and judge the better ones.
 
-    The poses are always the same: they stand for an integral, as the cells of a grid would,
-    and every filter that starts from them draws for itself.
+    A pose is judged with a probability that its rough likelihood, made flat, decides, and
+    weighs the more the rarer it was (importance sampling in two stages). The poses are always
+    the same: they stand for an integral, as the cells of a grid would, and every filter that
+    starts from them draws for itself.
 
     Parameters
     ----------
@@ -110,19 +120,47 @@ def judged(
     """
     chance = np.exp(candidates.log_weight)
     index, position, drift = _proposed(candidates, chance, settings.n_proposals, as_key(0))
-    score = log_likelihood(points, raster, position, drift, settings)
-    nats = settings.strength * score - np.log(chance[index])
-    kept = np.flatnonzero(nats >= nats.max() - settings.keep_nats)
+    rough = settings.rough_power * rough_nats(points, raster, position, drift, settings)
+    worth = np.exp(rough - rough.max()) / chance[index]
+    some = resample_systematic(worth / worth.sum(), settings.n_judged, as_key(_CHOOSE))
+    index, position, drift, rare = index[some], position[some], drift[some], rough[some]
+    score = _scores(points, raster, (position, drift), rare, settings)
+    nats = settings.strength * score - rare
     top = float(nats.max())
-    total = float(np.exp(nats - top).sum())
-    log_mean = top + math.log(total / len(nats) * chance.sum() / candidates.n_poses)
-    log_weight = nats[kept] - top
+    kept = np.flatnonzero(nats >= top - settings.keep_nats)
+    share = np.exp(nats[kept] - top)
+    mean = share.sum() / len(nats) * worth.mean() * chance.sum() / candidates.n_poses
     return Posterior(
         candidates.drifts_rad, as_readonly(position[kept]), as_readonly(drift[kept]),
         as_readonly(candidates.label[index[kept]], np.int32), as_readonly(score[kept]),
-        as_readonly(log_weight - math.log(np.exp(log_weight).sum())), 1 - settings.elsewhere,
-        candidates.drift_step_rad, log_mean, points,
+        as_readonly(np.log(share / share.sum())), 1 - settings.elsewhere,
+        candidates.drift_step_rad, top + float(rough.max()) + math.log(mean), points,
     )  # fmt: skip
+
+
+def _scores(
+    points: ScanPoints,
+    raster: PlanRaster,
+    poses: tuple[FloatArray, FloatArray],
+    rare: FloatArray,
+    settings: ObservationSettings,
+) -> FloatArray:
+    """Judge poses (N,): -inf for those that are dropped as soon as their walls are known.
+
+    Empty space can only speak against a pose, and the best few set what is to be reached.
+    """
+    position, drift = poses
+    walls = wall_nats(points, raster, position, drift, settings)
+    score, most = np.full(len(walls), -np.inf), settings.strength * walls - rare
+
+    def judge(some: npt.NDArray[np.int64]) -> None:
+        empty = empty_nats(points, raster, position[some], drift[some], settings)
+        score[some] = walls[some] + empty
+
+    judge(np.argsort(-most)[:FEW])
+    least = float((settings.strength * score - rare).max()) - settings.keep_nats
+    judge(np.flatnonzero(np.isinf(score) & (most >= least)))
+    return score
 
 
 def _proposed(

@@ -20,6 +20,18 @@ def on(cell, field):
     return 0 <= cell[0] < field.shape[0] and 0 <= cell[1] < field.shape[1]
 
 
+def test_lookup_equals_its_twin():
+    rng = np.random.default_rng(3)
+    field = rng.normal(size=(40, 30)).astype(np.float32)
+    position, drift = rng.uniform(-2, 9, (200, 2)), rng.uniform(-9, 9, 200)
+    points, weight, out = rng.normal(0, 2, (17, 2)), rng.uniform(0, 1, 17), np.empty(200)
+    loops.lookup(position, drift, points, weight, field, FRAME, out)
+    for i in range(200):
+        cells = [cell_under(position[i], drift[i], point) for point in points]
+        parts = [w * field[c] for c, w in zip(cells, weight, strict=True) if on(c, field)]
+        assert out[i] == pytest.approx(sum(parts), abs=1e-6)
+
+
 def test_walls_equal_their_twin():
     rng = np.random.default_rng(3)
     field = rng.uniform(0, 3, size=(40, 30)).astype(np.float32)
@@ -30,8 +42,9 @@ def test_walls_equal_their_twin():
     shift, share, unplanned = np.array([-0.4, 0.0, 0.4]), np.array([0.2, 0.5, 0.3]), 0.1
     out = np.empty(100)
     loops.walls(
-        position, drift, points, weight, first, normal, shift, share, unplanned, field, FRAME, out
-    )
+        position, drift, points, weight, first, normal, shift, share, unplanned, field,
+        FRAME, out,
+    )  # fmt: skip
     for i in range(100):
         expected = 0.0
         for w in range(3):

@@ -9,8 +9,31 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def walls(position, drift, points, weight, first, normal, shift, share, unplanned, field, frame,
-          out):  # fmt: skip
+def lookup(position, drift, points, weight, field, frame, out):
+    """Fill out (N,): the weighted sum of a field (R, C) at points (P, 2) seen from each pose.
+
+    A point counts with the cell that it lies in, and not at all off the field. `frame` is
+    x and y of the field's lower left corner and cells per metre.
+    """
+    rows, columns = field.shape
+    for i in range(position.shape[0]):
+        c, s = math.cos(drift[i]) * frame[2], math.sin(drift[i]) * frame[2]
+        u0 = (position[i, 0] - frame[0]) * frame[2]
+        v0 = (position[i, 1] - frame[1]) * frame[2]
+        total = 0.0
+        for k in range(points.shape[0]):
+            u = math.floor(u0 + c * points[k, 0] - s * points[k, 1])
+            v = math.floor(v0 + s * points[k, 0] + c * points[k, 1])
+            if 0 <= u < columns and 0 <= v < rows:
+                total += weight[k] * field[int(v), int(u)]
+        out[i] = total
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def walls(
+    position, drift, points, weight, first, normal, shift, share, unplanned, field, frame,
+    out,
+):  # fmt: skip
     """Fill out (N,): what walls seen from poses say, in nats, each wall off as a whole.
 
     Wall w has the points first[w] to first[w + 1] and lies off by shift[j] along its normal

@@ -6,7 +6,7 @@ does not have, is one error and not one for each of its metres
 (docs/explanation/likelihood.md).
 """
 
-from palms.observation.likelihood import log_likelihood
+from palms.observation.likelihood import empty_nats, log_likelihood, rough_nats, wall_nats
 from palms.observation.points import ScanPoints, scan_points
 from palms.observation.search import Likelihoods, likelihoods, search
 from palms.observation.sight import Sight, blurred, see
@@ -16,9 +16,12 @@ __all__ = [
     "ScanPoints",
     "Sight",
     "blurred",
+    "empty_nats",
     "likelihoods",
     "log_likelihood",
+    "rough_nats",
     "scan_points",
     "search",
     "see",
+    "wall_nats",
 ]

@@ -7,13 +7,14 @@ import numpy as np
 from palms._compiled import observation as loops
 from palms.geometry import FloatArray
 from palms.observation.points import ScanPoints
-from palms.observation.sight import see
+from palms.observation.sight import blurred, see
 from palms.raster import PlanRaster
 from palms.settings import ObservationSettings
 
-__all__ = ["log_likelihood"]
+__all__ = ["empty_nats", "log_likelihood", "rough_nats", "wall_nats"]
 
 SHIFT_M = 0.1  # ours: between the errors of a wall that are tried
+EVERY = 5  # ours: so many points of empty space are enough for a rough look
 REACH = 2.0  # ours: standard deviations of the larger kind of error that are tried
 
 
@@ -49,20 +50,71 @@ def log_likelihood(
     True
     """
     settings = settings or ObservationSettings()
-    sight = see(raster, settings)
-    place = np.ascontiguousarray(position_m, dtype=np.float64)
-    turn = np.ascontiguousarray(drift_rad, dtype=np.float64)
-    walls, empty = np.empty(len(turn)), np.empty(len(turn))
-    shift, share = _errors(settings)
+    walls = wall_nats(points, raster, position_m, drift_rad, settings)
+    return walls + empty_nats(points, raster, position_m, drift_rad, settings)
+
+
+def wall_nats(
+    points: ScanPoints,
+    raster: PlanRaster,
+    position_m: FloatArray,
+    drift_rad: FloatArray,
+    settings: ObservationSettings,
+) -> FloatArray:
+    """Return what the walls that were seen say; see `log_likelihood`."""
+    sight, said = see(raster, settings), np.empty(len(position_m))
     loops.walls(
-        place, turn, points.wall_m, points.wall_weight_m, points.first, points.normal, shift,
-        share, settings.unplanned_share, sight.support, sight.frame, walls,
+        *_contiguous(position_m, drift_rad), points.wall_m, points.wall_weight_m, points.first,
+        points.normal, *_errors(settings), settings.unplanned_share, sight.support, sight.frame,
+        said,
     )  # fmt: skip
+    return said
+
+
+def empty_nats(
+    points: ScanPoints,
+    raster: PlanRaster,
+    position_m: FloatArray,
+    drift_rad: FloatArray,
+    settings: ObservationSettings,
+) -> FloatArray:
+    """Return what the plan's walls in empty space say, at most 0; see `log_likelihood`."""
+    sight, said = see(raster, settings), np.empty(len(position_m))
     loops.empties(
-        place, turn, points.empty_m, points.empty_m2, sight.wall, sight.metres, sight.n_walls,
-        settings.empty_nats_per_m, settings.missing_share, sight.frame, empty,
+        *_contiguous(position_m, drift_rad), points.empty_m, points.empty_m2, sight.wall,
+        sight.metres, sight.n_walls, settings.empty_nats_per_m, settings.missing_share,
+        sight.frame, said,
     )  # fmt: skip
-    return np.asarray(walls + empty)
+    return said
+
+
+def rough_nats(
+    points: ScanPoints,
+    raster: PlanRaster,
+    position_m: FloatArray,
+    drift_rad: FloatArray,
+    settings: ObservationSettings,
+) -> FloatArray:
+    """Return what a scan says by the rough model of the search, where each metre errs by itself.
+
+    In the raster's own cells, and for poses between the cells and drifts of the search.
+    """
+    field, place = blurred(raster, settings), _contiguous(position_m, drift_rad)
+    walls, empty = np.empty(len(position_m)), np.empty(len(position_m))
+    loops.lookup(
+        *place, points.wall_m, points.wall_weight_m, field.support, field.frame, walls
+    )  # fmt: skip
+    some = np.ascontiguousarray(points.empty_m[::EVERY])
+    area = np.full(len(some), EVERY * points.empty_m2)
+    loops.lookup(*place, some, area, field.metres, field.frame, empty)
+    return np.asarray(walls - settings.search_empty_nats_per_m * empty)
+
+
+def _contiguous(position_m: FloatArray, drift_rad: FloatArray) -> tuple[FloatArray, FloatArray]:
+    return (
+        np.ascontiguousarray(position_m, dtype=np.float64),
+        np.ascontiguousarray(drift_rad, dtype=np.float64),
+    )
 
 
 def _errors(settings: ObservationSettings) -> tuple[FloatArray, FloatArray]:

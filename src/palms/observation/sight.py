@@ -53,7 +53,7 @@ class Sight:
     @property
     def frame(self) -> FloatArray:
         """What the loops need: x and y of the corner, cells per metre."""
-        return np.array([*self.grid.origin_m, 1 / self.grid.cell_size_m])
+        return _frame(self.grid)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +70,11 @@ class Blurred:
     grid: Grid
     support: Field
     metres: Field
+
+    @property
+    def frame(self) -> FloatArray:
+        """What the loops need: x and y of the corner, cells per metre."""
+        return _frame(self.grid)
 
 
 def see(raster: PlanRaster, settings: ObservationSettings) -> Sight:
@@ -115,6 +120,10 @@ def blurred(raster: PlanRaster, settings: ObservationSettings, coarse: int = 1) 
         raster.sights[key] = Blurred(grid, _means(support, coarse), _means(metres, coarse))
     field: Blurred = raster.sights[key]
     return field
+
+
+def _frame(grid: Grid) -> FloatArray:
+    return np.array([*grid.origin_m, 1 / grid.cell_size_m])
 
 
 def _fields(raster: PlanRaster, sd: float, rare: float) -> tuple[Field, Field]:

@@ -63,7 +63,11 @@ class ObservationSettings:
     max_candidates : int
         So many cells are kept at the most (ours).
     n_proposals : int
-        Poses that are judged one by one (ours).
+        Poses that are looked at roughly (ours).
+    rough_power : float
+        They are chosen to be judged by that likelihood raised to this power (ours, fitted).
+    n_judged : int
+        Poses that are judged (ours).
     keep_nats : float
         Poses that fall short of the best by more than this are dropped (ours).
     """
@@ -92,6 +96,8 @@ class ObservationSettings:
     max_cells: int = 1_000_000
     max_candidates: int = 200_000
     n_proposals: int = 60_000
+    rough_power: float = 0.35
+    n_judged: int = 20_000
     keep_nats: float = 14.0
 
     def __post_init__(self) -> None:
@@ -127,6 +133,8 @@ class ObservationSettings:
             cell_size_m=(0.02 <= self.cell_size_m <= 2, "0.02 to 2 m", self.cell_size_m),
             max_candidates=(self.max_candidates >= 1, "at least 1", self.max_candidates),
             n_proposals=(self.n_proposals >= 1, "at least 1", self.n_proposals),
+            rough_power=(0 < self.rough_power <= 1, "above 0, at most 1", self.rough_power),
+            n_judged=(self.n_judged >= 1, "at least 1", self.n_judged),
             keep_nats=(self.keep_nats > 0, "above 0", self.keep_nats),
         )  # fmt: skip
 

@@ -31,8 +31,8 @@ _START = StartSettings(source="posterior", n_particles=30_000)
 _RESAMPLING = ResamplingSettings("adaptive")
 _DECLARATION = DeclarationSettings("probability")
 _VIO = MotionSettings(
-    length_m=0.014, direction_rad=0.022, drift_rad=0.0, drift_rad_per_sqrt_s=0.0022,
-    jitter_m=0.0, hit_weight=0.03, scale_sd=0.02,
+    length_m=0.017, direction_rad=0.026, drift_rad=0.0, drift_rad_per_sqrt_s=0.003,
+    jitter_m=0.0, hit_weight=0.03, scale_sd=0.03,
 )  # fmt: skip
 _INERTIAL = replace(
     _VIO, length_m=0.024, direction_rad=0.08, drift_rad_per_sqrt_s=0.0045,
