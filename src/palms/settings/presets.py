@@ -31,13 +31,12 @@ _START = StartSettings(source="posterior", n_particles=30_000)
 _RESAMPLING = ResamplingSettings("adaptive")
 _DECLARATION = DeclarationSettings("probability")
 _VIO = MotionSettings(
-    length_m=0.017, direction_rad=0.026, drift_rad=0.0, drift_rad_per_sqrt_s=0.003,
+    length_m=0.024, direction_rad=0.037, drift_rad=0.0, drift_rad_per_sqrt_s=0.0045,
     jitter_m=0.0, hit_weight=0.03, scale_sd=0.03,
 )  # fmt: skip
 _INERTIAL = replace(
-    _VIO, length_m=0.024, direction_rad=0.08, drift_rad_per_sqrt_s=0.0045,
-    drift_rate_rad_per_s=0.0024, scale_sd=0.09, scale_per_sqrt_m=0.03,
-)  # fmt: skip
+    _VIO, direction_rad=0.08, drift_rate_rad_per_s=0.0024, scale_sd=0.09, scale_per_sqrt_m=0.03
+)
 
 
 @dataclass(frozen=True, slots=True)
