@@ -20,6 +20,7 @@ FILES = {
     "floor-picture.png": ("scale=0.05",),
     "floor-map.yaml": (),
     "floor.dxf": (),
+    "floor.osm": (ORIGIN,),
 }
 RASTER = {"floor-picture.png": 1.0, "floor-map.yaml": 0.0}  # the margin in the file, in metres
 
