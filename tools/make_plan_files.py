@@ -129,6 +129,39 @@ def _way(number: int, refs: list[int], **tags: str) -> str:
     return "\n".join([f" <way id='{number}'>", *inside, " </way>"])
 
 
+SVG_CLASSES = {
+    SegmentClass.WALL: "Walls", SegmentClass.GLASS: "Glass", SegmentClass.OPENING: "Openings"
+}  # fmt: skip
+
+
+def write_svg(plan: FloorPlan, path: Path) -> None:
+    """Write shapes in centimetres in groups, as Inkscape's layers; y down from the lower left."""
+    width, height = np.ceil(plan.bounds_m[1] + MARGIN_M) * 100
+    lines = [
+        "<?xml version='1.0' encoding='UTF-8'?>",
+        "<svg xmlns='http://www.w3.org/2000/svg' xmlns:inkscape='http://www.inkscape.org/namespaces"
+        f"/inkscape' viewBox='0 0 {width:g} {height:g}'>",
+        f" <g transform='translate(0 {height:g}) scale(1 -1)' fill='none' stroke='black'>",
+    ]
+    for kind, label in SVG_CLASSES.items():
+        lines.append(f"  <g inkscape:label='{label}' stroke-width='8'>")
+        for segment in plan.of_class(kind) * 100:
+            (x0, y0), (x1, y1) = segment.round(2).tolist()
+            lines.append(f"   <path d='M{x0:g} {y0:g}L{x1:g} {y1:g}'/>")
+        lines.append("  </g>")
+    lines.append("  <g inkscape:label='Doors'>")
+    for segment in plan.of_class(SegmentClass.DOOR) * 100:
+        (x0, y0), (x1, y1) = segment.round(2).tolist()
+        leaf, radius = (x0 - (y1 - y0), y0 + (x1 - x0)), math.hypot(x1 - x0, y1 - y0)
+        lines.append(f"   <path d='M{x0:g} {y0:g}L{leaf[0]:.2f} {leaf[1]:.2f}"
+                     f"A{radius:.3f} {radius:.3f} 0 0 0 {x1:g} {y1:g}'/>")  # fmt: skip
+    lines.append("  </g>\n  <g id='rooms' stroke='none'>")
+    for room in plan.rooms:
+        corners = " ".join(f"{x:g},{y:g}" for x, y in (room.polygon_m * 100).round(2).tolist())
+        lines.append(f"   <polygon points='{corners}'><title>{room.name}</title></polygon>")
+    path.write_text("\n".join([*lines, "  </g>", " </g>", "</svg>\n"]))
+
+
 def picture(plan: FloorPlan) -> Image.Image:
     """Return walls and glass as thick strokes, doors as thin ones and their swings, and names."""
     low, high = plan.bounds_m
@@ -206,6 +239,7 @@ def write_all(folder: Path) -> None:
     write_ros(plan, folder / "floor-map.yaml")
     write_dxf(plan, folder / "floor.dxf")
     write_osm(plan, folder / "floor.osm")
+    write_svg(plan, folder / "floor.svg")
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@ FILES = {
     "floor-map.yaml": (),
     "floor.dxf": (),
     "floor.osm": (ORIGIN,),
+    "floor.svg": ("scale=0.01",),
 }
 RASTER = {"floor-picture.png": 1.0, "floor-map.yaml": 0.0}  # the margin in the file, in metres
 

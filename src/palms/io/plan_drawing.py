@@ -160,7 +160,7 @@ class Drawing:
         self.loose = DoorGroup()
         self.groups = [self.loose]
         self.texts: list[tuple[str, FloatArray]] = []
-        self.rings: list[tuple[str, FloatArray]] = []
+        self.rings: list[tuple[str, str, FloatArray]] = []
 
     def new_group(self) -> DoorGroup:
         """Return a group for the strokes of one door."""
@@ -176,11 +176,10 @@ class Drawing:
         middle = None if solid else middle_line(stroke.points_m)
         self.parts.add(segments_along(stroke.points_m) if middle is None else middle, role)
 
-    def add_room(self, stroke: Stroke, name: str = "") -> None:
+    def add_room(self, points_m: FloatArray, name: str = "", otherwise: str = "") -> None:
         """Add the outline of a room; without a name, the texts within it name it."""
-        ring = stroke.points_m
-        if len(ring) > 3 and np.allclose(ring[0], ring[-1]):
-            self.rings.append((name, ring[:-1]))
+        if len(points_m) > 3 and np.allclose(points_m[0], points_m[-1]):
+            self.rings.append((name, otherwise, points_m[:-1]))
 
     def add_unnamed(self, strokes: Sequence[Stroke], min_width: float | None = None) -> None:
         """Add strokes of which no layer says what they are: walls, and doors told by swings.
@@ -240,10 +239,10 @@ class Drawing:
     def _name_rooms(self) -> None:
         import shapely
 
-        for name, ring in self.rings:
+        for name, otherwise, ring in self.rings:
             area = shapely.Polygon(ring)
             inside = [text for text, at in self.texts if shapely.contains_xy(area, *at)]
-            called = name or " ".join(inside[:3])
+            called = name or " ".join(inside[:3]) or otherwise
             if called:
                 with locating(self.what):
                     self.parts.rooms.append(Room(called, ring))

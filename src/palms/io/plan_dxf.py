@@ -190,11 +190,10 @@ class _Entities:
             if not self.layers.holds_rooms(layer):
                 return
         for points in self._flat(entity):
-            stroke = Stroke(points, entity.dxftype() == "ARC")
             if role is None:
-                self.drawing.add_room(stroke)
+                self.drawing.add_room(points)
             else:
-                self.drawing.add(stroke, role, group)
+                self.drawing.add(Stroke(points, entity.dxftype() == "ARC"), role, group)
 
     def _flat(self, entity: Any) -> Iterator[FloatArray]:  # noqa: ANN401
         from ezdxf.path import make_path

@@ -18,7 +18,8 @@ import numpy.typing as npt
 from palms.errors import FormatError, InputError
 from palms.floorplan import FloorPlan, SegmentClass
 from palms.io.files import head, read_bytes, sniff
-from palms.io.plan_parts import PlanParts, check_scale
+from palms.io.plan_parts import PlanParts
+from palms.io.plan_scale import Points, metres_per_unit
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief
 from palms.io.vectorize import remove_specks, remove_thin, typical_thickness, walls_of
@@ -116,7 +117,7 @@ def read_plan_image(  # noqa: PLR0913
     path: StrPath,
     *,
     scale: float | None = None,
-    points: tuple[float, float, float, float] | None = None,
+    points: Points | None = None,
     distance: float | None = None,
     threshold: float | None = None,
     invert: bool = False,
@@ -155,7 +156,7 @@ def read_plan_image(  # noqa: PLR0913
     _check_magic(content, path)
     kind = sniff(content[:1000])
     kind = kind if kind.endswith("image") else "a picture"
-    scale = _scale(scale, points, distance, f"{path}, {kind}")
+    scale = metres_per_unit(scale, points, distance, f"{path}, {kind}", "pixel")
     if threshold is not None and not 0 < threshold < 1:
         raise InputError("option threshold", expected="between 0 and 1", got=f"{threshold:g}")
     grey, factor = load_grey(content, str(path))
@@ -171,29 +172,6 @@ def _check_magic(content: bytes, path: StrPath) -> None:
             str(path), expected="a picture", got=sniff(content[:1000]),
             fix="check that it is the right file",
         )  # fmt: skip
-
-
-def _scale(
-    scale: float | None,
-    points: tuple[float, float, float, float] | None,
-    distance: float | None,
-    what: str,
-) -> float:
-    """Metres per pixel."""
-    if scale is not None:
-        return check_scale(scale, f"{what}, option scale") or 1.0
-    if points is None or distance is None:
-        raise InputError(
-            what, expected="its scale", got="none",
-            fix="give scale=METRES per pixel, or points=x1,y1,x2,y2 in pixels and distance=METRES",
-        )  # fmt: skip
-    pixels = math.hypot(points[2] - points[0], points[3] - points[1])
-    if not (pixels >= 1 and math.isfinite(distance) and distance > 0):
-        raise InputError(
-            f"{what}, options points and distance", expected="two points apart, and metres above 0",
-            got=f"{pixels:g} pixels and {distance:g} m",
-        )  # fmt: skip
-    return distance / pixels
 
 
 def _walls_only(dark: Mask, factor: int, min_stroke: float | None, text_size: float | None) -> Mask:
