@@ -148,14 +148,14 @@ class _Canvas(NamedTuple):
         """Return points (N, 2) in the map."""
         return np.asarray((points * [1, -1] + [-self.left, self.bottom]) * self.metres)
 
-    def strokes(self, shape: Shape) -> Iterator[Stroke]:
-        """Yield the lines of a shape; one that is filled only is closed."""
+    def strokes(self, shape: Shape, closed: bool = True) -> Iterator[Stroke]:
+        """Yield the lines of a shape; one that is filled only may be closed."""
         width = math.inf if shape.stroke_width is None else shape.stroke_width
         for pieces in shape.subpaths:
             for piece in pieces:
                 yield Stroke(self._turned(shape, piece.points), piece.curved, width)
             ends = np.array([pieces[-1].points[-1], pieces[0].points[0]])
-            if shape.stroke_width is None and (ends[0] != ends[1]).any():
+            if closed and shape.stroke_width is None and (ends[0] != ends[1]).any():
                 yield Stroke(self._turned(shape, ends), False, width)
 
     def ring(self, shape: Shape) -> FloatArray:
@@ -210,7 +210,7 @@ class _Sorter:
             if shape.group not in self.groups:
                 self.groups[shape.group] = self.drawing.new_group()
             group = self.groups[shape.group]
-        for stroke in self.canvas.strokes(shape):
+        for stroke in self.canvas.strokes(shape, closed=group is None):
             self.drawing.add(stroke, kind, group)
 
     def _room(self, shape: Shape, is_wall: bool) -> None:
