@@ -249,8 +249,12 @@ ENTITY = '<!DOCTYPE osm [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&
 
 @pytest.mark.parametrize(
     "declared",
-    [ENTITY, '<!DOCTYPE osm [<!ENTITY a SYSTEM "/etc/passwd">]>', '<!DOCTYPE osm [<!ENTITY % a "x">]>'],
-)  # fmt: skip
+    [
+        ENTITY,
+        '<!DOCTYPE osm [<!ENTITY a SYSTEM "/etc/passwd">]>',
+        '<!DOCTYPE osm [<!ENTITY % a "x">]>',
+    ],
+)
 def test_entities_are_refused(put, says, declared):
     path = put("a.osm", f"<?xml version='1.0'?>{declared}<osm><a>&b;</a></osm>")
     assert choose_format(FLOORPLANS, path).name == "osm"

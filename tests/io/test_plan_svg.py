@@ -88,8 +88,8 @@ def test_rooms_are_named_by_title_label_text_or_id(svg):
         return f"<polygon points='{box}' {head}>{inside}</polygon>"
 
     inside = (
-        "<g id='rooms'>" + room(0, "id='r1'", "<title>Lab\n 7</title>") + room(100, "data-name='12'")
-        + room(200, "id='polygon8'") + room(300, "id='Big_hall'") + room(400, "id='g2'") + "</g>"
+        "<g id='rooms'>" + room(0, "id='r1'", "<title>Lab\n 7</title>")
+        + room(100, "data-name='12'") + room(200, "id='polygon8'") + room(300, "id='Big_hall'") + room(400, "id='g2'") + "</g>"
         "<text x='250' y='50'><tspan>Tea </tspan><tspan>kitchen</tspan></text>"
         "<text transform='translate(330 50)'>Foyer</text>"
     )  # fmt: skip
@@ -135,7 +135,8 @@ def test_without_any_name_all_that_is_drawn_heavily_is_a_wall(svg):
 
 def test_use_repeats_a_symbol(svg):
     inside = (
-        "<defs><g id='leaf'><path d='M0 0H100'/></g></defs><symbol id='s'><path d='M0 0V9'/></symbol>"
+        "<defs><g id='leaf'><path d='M0 0H100'/></g></defs>"
+        "<symbol id='s'><path d='M0 0V9'/></symbol>"
         "<g id='doors'><use href='#leaf' x='100' y='500'/>"
         "<use xlink:href='#leaf' transform='translate(500 500)'/><use href='#gone'/></g>"
     )
@@ -167,9 +168,13 @@ def test_a_ratio_is_of_the_paper(svg, says, width):
 
 
 @pytest.mark.parametrize(
-    ("head", "low"), [("width='900' height='600'", (0, 1)), ("viewBox='-100 -50 1000 600'", (1, 0.5)),
-                      ("width='100%'", (0, 0))],
-)  # fmt: skip
+    ("head", "low"),
+    [
+        ("width='900' height='600'", (0, 1)),
+        ("viewBox='-100 -50 1000 600'", (1, 0.5)),
+        ("width='100%'", (0, 0)),
+    ],
+)
 def test_where_the_corner_is(svg, head, low):
     plan = read_plan_svg(svg(SHELL, head), scale=0.01)
     assert plan.bounds_m[0] == pytest.approx(low)
