@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import importlib.util
+import sys
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 
@@ -22,8 +25,22 @@ FILES = {
     "floor.dxf": (),
     "floor.osm": (ORIGIN,),
     "floor.svg": ("scale=0.01",),
+    "floor.pdf": ("ratio=200",),
 }
 RASTER = {"floor-picture.png": 1.0, "floor-map.yaml": 0.0}  # the margin in the file, in metres
+
+
+def load_tool() -> ModuleType:
+    """The script that makes the files."""
+    path = Path(__file__).parents[2] / "tools" / "make_plan_files.py"
+    spec = importlib.util.spec_from_file_location("make_plan_files", path)
+    tool = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = tool
+    try:
+        spec.loader.exec_module(tool)
+    finally:
+        del sys.modules[spec.name]
+    return tool
 
 
 def sample() -> FloorPlan:

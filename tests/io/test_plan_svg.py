@@ -89,7 +89,8 @@ def test_rooms_are_named_by_title_label_text_or_id(svg):
 
     inside = (
         "<g id='rooms'>" + room(0, "id='r1'", "<title>Lab\n 7</title>")
-        + room(100, "data-name='12'") + room(200, "id='polygon8'") + room(300, "id='Big_hall'") + room(400, "id='g2'") + "</g>"
+        + room(100, "data-name='12'") + room(200, "id='polygon8'") + room(300, "id='Big_hall'")
+        + room(400, "id='g2'") + "</g>"
         "<text x='250' y='50'><tspan>Tea </tspan><tspan>kitchen</tspan></text>"
         "<text transform='translate(330 50)'>Foyer</text>"
     )  # fmt: skip
@@ -112,13 +113,13 @@ def test_the_outlines_of_rooms_are_walls_where_no_name_says_wall(svg):
 
 def test_without_any_name_all_that_is_drawn_heavily_is_a_wall(svg):
     inside = (
-        "<style>.a{stroke:#000;stroke-width:6} .no{display:none}</style>"
+        "<style>.g1{stroke:#000;stroke-width:6} .g2{display:none}</style>"
         "<rect width='800' height='500' fill='#fff'/>"
-        "<path class='a' fill='none' d='M0 0H800V500H400M300 500H0V0'/>"
-        "<path class='a' fill='none' d='M300 500V400' style='stroke-width:6px'/>"
-        "<path class='a' fill='none' stroke-width='1' d='M300 400A100 100 0 0 1 400 500'/>"
+        "<path class='g1' fill='none' d='M0 0H800V500H400M300 500H0V0'/>"
+        "<path class='g1' fill='none' d='M300 500V400' style='stroke-width:6px'/>"
+        "<path class='g1' fill='none' stroke-width='1' d='M300 400A100 100 0 0 1 400 500'/>"
         "<path stroke='#333' style='stroke-width:1' d='M0 250H800'/>"
-        "<path class='no' stroke='black' d='M0 50H800'/>"
+        "<path class='g2' stroke='black' d='M0 50H800'/>"
         "<g visibility='hidden'><path stroke='black' d='M0 60H800'/></g>"
         "<rect x='600' y='100' width='50' height='50'/>"
         "<path d='M10 10c5 5 10 5 10 20z'/><path fill='none' d='M0 0L800 500'/>"

@@ -41,7 +41,7 @@ OPENINGS = r"opening|passage|durchgang"
 ROOMS = r"room|raum|space|zone|a-area|pièce|piece"
 _TOUCH_M = 0.06  # ours: a leaf's end and its swing's meet
 _SWEEP_RAD = (math.radians(30), math.radians(135))  # ours: a door's swing
-_LEAF_M = (0.5, 1.6)  # ours: a door's width, where no layer says that it is one
+_LEAF_M = (0.5, 2.0)  # ours: a door's width, where no layer says that it is one
 _ROUND = 0.01  # ours: a swing's points lie that near to a circle, as a share of its radius
 _REACH_M = 0.15  # ours: a door's line may lie that far from the wall's
 
@@ -74,12 +74,19 @@ class DoorGroup:
         for swing in self.swings:
             leaf = [min((_nearest(line, end) for line in self.lines), default=math.inf)
                     for end in swing[1:]]  # fmt: skip
-            yield np.array([[swing[0], swing[1] if leaf[1] <= leaf[0] else swing[2]]])
+            shut = swing[1] if leaf[1] <= leaf[0] else swing[2]
+            yield np.array([[self._hinge(swing[0]), shut]])
         for line in self.lines:
             if any(_nearest(line, swing[0]) <= _TOUCH_M for swing in self.swings):
                 continue  # the leaf of a swing
             middle = middle_line(line) if _is_ring(line) else None
             yield segments_along(line) if middle is None else middle
+
+    def _hinge(self, centre: FloatArray) -> FloatArray:
+        """Return the end of the leaf that turns there; curves tell their centre less well."""
+        ends = [line[end] for line in self.lines for end in (0, -1)]
+        near = min(ends, key=lambda end: math.dist(end, centre), default=centre)
+        return near if math.dist(near, centre) <= _TOUCH_M else centre
 
 
 def swing_of(points_m: FloatArray) -> FloatArray | None:
@@ -136,6 +143,12 @@ class Layers:
             raise InputError(
                 f"{what}, option", expected="a regular expression", got=str(error)
             ) from None
+
+    @property
+    def is_guess(self) -> bool:
+        """Whether the pattern of walls is ours, not one that the user gave."""
+        walls = self.patterns.get(SegmentClass.WALL)
+        return walls is not None and walls.pattern == WALLS
 
     def role(self, name: str) -> SegmentClass | None:
         """Class of what a layer holds; None when its name says none."""
@@ -201,7 +214,8 @@ class Drawing:
                 ends = [end for end in (1, 2) if _joins(stroke.points_m, swing[0], swing[end])]
                 if ends:
                     leaves.add(i)
-                    self.parts.add(np.array([[swing[0], swing[3 - ends[0]]]]), SegmentClass.DOOR)
+                    self.new_group().lines.append(stroke.points_m)
+                    self.groups[-1].swings.append(swing)
                     break
         for i, stroke in enumerate(kept):
             if i not in leaves and stroke.width >= least:

@@ -24,7 +24,7 @@ from palms.io.registry import Format
 from palms.io.values import StrPath, brief
 from palms.io.vectorize import remove_specks, remove_thin, typical_thickness, walls_of
 
-__all__ = ["FORMAT", "dark_of", "load_grey", "plan_of_mask", "read_plan_image"]
+__all__ = ["FORMAT", "dark_of", "load_grey", "plan_of_mask", "read_plan_image", "walls_only"]
 
 MAX_PIXELS = 60_000_000  # ours: a sheet of A0 at 190 dots per inch
 WORK_PIXELS = 12_000_000  # ours: larger pictures are reduced; keeps memory under a gigabyte
@@ -160,7 +160,7 @@ def read_plan_image(  # noqa: PLR0913
     if threshold is not None and not 0 < threshold < 1:
         raise InputError("option threshold", expected="between 0 and 1", got=f"{threshold:g}")
     grey, factor = load_grey(content, str(path))
-    dark = _walls_only(dark_of(grey, threshold, invert), factor, min_stroke, text_size)
+    dark = walls_only(dark_of(grey, threshold, invert), factor, min_stroke, text_size)
     return plan_of_mask(dark, scale * factor, min_wall, path)
 
 
@@ -174,7 +174,7 @@ def _check_magic(content: bytes, path: StrPath) -> None:
         )  # fmt: skip
 
 
-def _walls_only(dark: Mask, factor: int, min_stroke: float | None, text_size: float | None) -> Mask:
+def walls_only(dark: Mask, factor: int, min_stroke: float | None, text_size: float | None) -> Mask:
     """Take thin strokes and letters away."""
     typical = typical_thickness(dark)
     automatic = typical / 2 if typical >= _THICK_PX else 0.0

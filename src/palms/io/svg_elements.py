@@ -11,11 +11,12 @@ import numpy as np
 
 from palms.errors import FormatError
 from palms.geometry import FloatArray
-from palms.io.svg_paths import Piece, numbers_of, parse_path, parse_transform, pieces_of
+from palms.io.plan_shapes import Piece, Shape, Text
+from palms.io.svg_paths import numbers_of, parse_path, parse_transform, pieces_of
 from palms.io.values import StrPath, parse_number
 from palms.io.xml_events import parse_xml
 
-__all__ = ["Element", "Shape", "Text", "load_svg", "shapes_of"]
+__all__ = ["Element", "load_svg", "parse_length", "shapes_of"]
 
 MAX_SHAPES = 500_000  # ours; those that `use` repeats are counted
 _DEPTH = 16  # ours: of `use` in `use`
@@ -60,29 +61,6 @@ class _Tree:
     def text(self, text: str) -> None:
         if self.stack[-1].name in ("text", "tspan", "title", "style"):
             self.stack[-1].text += text
-
-
-class Shape(NamedTuple):
-    """A drawn shape in the units of the drawing, y down.
-
-    Names come from the inside out: those of the shape, then of each group around it.
-    """
-
-    subpaths: list[list[Piece]]
-    names: tuple[str, ...]
-    title: str
-    element_id: str
-    group: int  # number of the group that it is in
-    stroke_width: float | None  # None when its outline is not drawn
-    dark: bool  # filled dark
-    matrix: FloatArray
-
-
-class Text(NamedTuple):
-    """A text with its place, in the units of the drawing, y down."""
-
-    words: str
-    at: FloatArray
 
 
 class _State(NamedTuple):

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from palms.errors import FormatError
 from palms.geometry import FloatArray
+from palms.io.plan_shapes import Piece
 from palms.io.values import brief
 
-__all__ = ["Piece", "cubic", "ellipse", "numbers_of", "parse_path", "parse_transform", "pieces_of"]
+__all__ = ["Pen", "cubic", "ellipse", "numbers_of", "parse_path", "parse_transform", "pieces_of"]
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _TOKEN = re.compile(rf"[MmZzLlHhVvCcSsQqTtAa]|{_NUMBER}|[^\s,]")
@@ -22,13 +22,6 @@ _TAKES = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7
 _CHORDS = 16  # ours: of a quarter circle; off by a thousandth of its radius
 _CUSP = math.cos(math.radians(30.0))  # ours: curves that meet at a sharper angle are two
 _LARGEST = 1e9  # ours: coordinates beyond are damage
-
-
-class Piece(NamedTuple):
-    """Points (N, 2) of a run of straight lines, or of a smooth curve."""
-
-    points: FloatArray
-    curved: bool
 
 
 def numbers_of(text: str) -> list[float]:
@@ -97,8 +90,18 @@ def _arc(a: FloatArray, values: Sequence[float], b: FloatArray) -> FloatArray:
     return np.asarray(points)
 
 
-class _Pen:
-    """Draws the commands of path data, one subpath after another."""
+class Pen:
+    """Draws one subpath after another; `subpaths` holds the pieces of each.
+
+    Examples
+    --------
+    >>> pen = Pen()
+    >>> pen.move(np.array([0.0, 0.0]))
+    >>> pen.draw(np.array([[4.0, 0.0], [4.0, 3.0]]), curved=False)
+    >>> pen.close()
+    >>> len(pen.subpaths[0][0].points)
+    4
+    """
 
     def __init__(self) -> None:
         self.subpaths: list[list[Piece]] = []
@@ -107,6 +110,7 @@ class _Pen:
         self.before = ""
 
     def move(self, to: FloatArray) -> None:
+        """Begin a subpath."""
         self.at = self.start = to
         self.subpaths.append([])
 
@@ -121,6 +125,11 @@ class _Pen:
         else:
             pieces.append(Piece(whole, curved))
         self.at = points[-1]
+
+    def close(self) -> None:
+        """Go back to where the subpath began."""
+        if (self.at != self.start).any():
+            self.draw(self.start[None], False)
 
     def command(self, letter: str, values: list[float]) -> None:
         """Obey one command with its numbers."""
@@ -143,8 +152,8 @@ class _Pen:
             self.draw(ends, False)
         elif kind in "CSQT":
             handle = self._curve(kind, ends)
-        elif (self.at != self.start).any():
-            self.draw(self.start[None], False)
+        else:
+            self.close()
         self.handle, self.before = handle, kind
 
     def _curve(self, kind: str, ends: FloatArray) -> FloatArray:
@@ -183,7 +192,7 @@ def parse_path(data: str, what: str) -> list[list[Piece]]:
     >>> line.points.tolist(), curve.curved, curve.points[-1].tolist()
     ([[0.0, 0.0], [4.0, 0.0]], True, [6.0, 2.0])
     """
-    pen = _Pen()
+    pen = Pen()
     for letter, values in _commands(data, what):
         if any(abs(value) > _LARGEST for value in values):
             raise FormatError(what, expected="path data", got=f"{max(values, key=abs):g}")
