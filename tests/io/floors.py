@@ -26,6 +26,8 @@ FILES = {
     "floor.osm": (ORIGIN,),
     "floor.svg": ("scale=0.01",),
     "floor.pdf": ("ratio=200",),
+    "floor.gpkg": (ORIGIN,),
+    "floor-shapes.zip": (ORIGIN,),
 }
 RASTER = {"floor-picture.png": 1.0, "floor-map.yaml": 0.0}  # the margin in the file, in metres
 
