@@ -53,7 +53,10 @@ def test_raster_formats_have_the_same_walls_within_a_cell(name):
     assert length_m(walls) == pytest.approx(length_m(truth.blocking_m), rel=0.01)
 
 
-@pytest.mark.parametrize("name", ["floor.geojson", "floor.imdf.zip"])
+ON_EARTH = ["floor.geojson", "floor.imdf.zip", "floor.osm", "floor.gpkg", "floor-shapes.zip"]
+
+
+@pytest.mark.parametrize("name", ON_EARTH)
 def test_rooms_origin_and_level_are_there(name):
     plan, truth = read_file(name), sample()
     assert {room.name for room in plan.rooms} == {room.name for room in truth.rooms}

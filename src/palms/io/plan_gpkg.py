@@ -10,6 +10,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from palms.errors import FormatError
 from palms.floorplan import FloorPlan
 from palms.io.files import MAX_BYTES, head, read_bytes, sniff
@@ -181,7 +183,8 @@ def _feature(blob: object, values: Mapping[str, Any], what: str) -> Feature | No
     if envelope is None:
         raise FormatError(what, expected="a GeoPackage geometry", got=f"flags {blob[3]}")
     try:
-        geometry = shapely.from_wkb(blob[8 + envelope :])
+        with np.errstate(all="ignore"):
+            geometry = shapely.from_wkb(blob[8 + envelope :])
     except (shapely.errors.ShapelyError, ValueError) as error:
         raise FormatError(
             what, expected="a whole line or area", got=brief(str(error), 60)

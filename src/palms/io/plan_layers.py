@@ -110,7 +110,7 @@ def _of_names(layers: Sequence[Layer], wanted: str | None, what: str) -> Sequenc
 
 def _worded(layer: Layer) -> list[Feature]:
     """Return the features of a layer with keys in lower case, and the layer's word for them."""
-    tokens = [layer.name, *re.split(r"[\W_\d]+", layer.name)]
+    tokens = [layer.name, *reversed(re.split(r"[\W_\d]+", layer.name))]  # level_1_doors: doors
     word = next((token for token in tokens if role_of(token) is not None), layer.name)
     features = []
     for each in layer.features:
