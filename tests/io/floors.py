@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -28,21 +28,19 @@ FILES = {
     "floor.pdf": ("ratio=200",),
     "floor.gpkg": (ORIGIN,),
     "floor-shapes.zip": (ORIGIN,),
+    "floor.ifc": (),
 }
 RASTER = {"floor-picture.png": 1.0, "floor-map.yaml": 0.0}  # the margin in the file, in metres
 
 
-def load_tool() -> ModuleType:
-    """The script that makes the files."""
-    path = Path(__file__).parents[2] / "tools" / "make_plan_files.py"
-    spec = importlib.util.spec_from_file_location("make_plan_files", path)
-    tool = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = tool
+def load_tool(name: str = "make_plan_files") -> ModuleType:
+    """A script of the repository that makes files."""
+    folder = str(Path(__file__).parents[2] / "tools")
+    sys.path.insert(0, folder)
     try:
-        spec.loader.exec_module(tool)
+        return importlib.import_module(name)
     finally:
-        del sys.modules[spec.name]
-    return tool
+        sys.path.remove(folder)
 
 
 def sample() -> FloorPlan:

@@ -21,7 +21,7 @@ from palms.io.plan_gpkg import read_plan_gpkg
 from palms.io.plan_shapefile import read_plan_shapefile
 from tests.io.floors import load_tool
 
-TOOL = load_tool()
+TOOL = load_tool("plan_gis")
 HALL = [[0, 0], [8, 0], [8, 5], [0, 5], [0, 0]]
 SYSTEMS = (
     (-1, "NONE", -1, "undefined"),

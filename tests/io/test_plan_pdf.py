@@ -13,7 +13,7 @@ from palms.io.plan_pdf import read_plan_pdf
 from tests.io.floors import along, apart_m, load_tool, sample
 
 pytest.importorskip("pypdfium2")
-TOOL = load_tool()
+TOOL, MAKER = load_tool("plan_sheets"), load_tool()
 UNIT = 0.1  # metres per point of the small drawings: 80 x 50 points are 8 x 5 m
 BOX = "0 0 m 80 0 l 80 50 l 0 50 l h S"
 
@@ -88,7 +88,7 @@ def test_rooms_are_named_by_the_text_in_them(pdf):
 
 
 def test_without_layers_heavy_lines_are_walls_and_swings_doors(tmp_path):
-    TOOL.write_pdf(TOOL.sample_plan(), tmp_path / "bare.pdf", layers=False)
+    TOOL.write_pdf(MAKER.sample_plan(), tmp_path / "bare.pdf", layers=False)
     plan, truth = read_plan_pdf(tmp_path / "bare.pdf", ratio=200), sample()
     doors = truth.of_class(SegmentClass.DOOR)
     assert len(plan.of_class(SegmentClass.DOOR)) == len(doors)
@@ -112,7 +112,7 @@ def test_layers_that_say_nothing_are_named(pdf, says):
 
 
 def test_a_drawing_may_be_drawn_and_looked_at(tmp_path):
-    TOOL.write_pdf(TOOL.sample_plan(), tmp_path / "bare.pdf", layers=False)
+    TOOL.write_pdf(MAKER.sample_plan(), tmp_path / "bare.pdf", layers=False)
     plan, truth = read_plan_pdf(tmp_path / "bare.pdf", ratio=200, mode="picture"), sample()
     walls = truth.of_class(SegmentClass.WALL)
     pixel_m = TOOL.POINT_M * 72 / 200
@@ -121,7 +121,7 @@ def test_a_drawing_may_be_drawn_and_looked_at(tmp_path):
 
 
 def test_a_scanned_page_is_looked_at(pdf):
-    picture = TOOL.picture(TOOL.sample_plan())
+    picture = MAKER.picture(MAKER.sample_plan())
     image = (
         f"<< /Type /XObject /Subtype /Image /Width {picture.width} /Height {picture.height} "
         "/ColorSpace /DeviceGray /BitsPerComponent 8 /Filter /FlateDecode /Length {} >>"
@@ -131,10 +131,10 @@ def test_a_scanned_page_is_looked_at(pdf):
     path = pdf(f"{page}|{picture.width} 0 0 {picture.height} 0 0 cm /I Do",
                resources="/XObject << /I 5 0 R >>",
                objects=[image.format(len(stream))], streams={0: stream})  # fmt: skip
-    plan, truth = read_plan_pdf(path, scale=TOOL.SCALE_M), sample()
-    walls = plan.segments_m + truth.bounds_m[0] - TOOL.MARGIN_M
-    assert np.quantile(apart_m(along(truth.blocking_m), walls), 0.98) < 1.5 * TOOL.SCALE_M
-    assert np.quantile(apart_m(along(walls), truth.blocking_m), 0.95) < 1.5 * TOOL.SCALE_M
+    plan, truth = read_plan_pdf(path, scale=MAKER.SCALE_M), sample()
+    walls = plan.segments_m + truth.bounds_m[0] - MAKER.MARGIN_M
+    assert np.quantile(apart_m(along(truth.blocking_m), walls), 0.98) < 1.5 * MAKER.SCALE_M
+    assert np.quantile(apart_m(along(walls), truth.blocking_m), 0.95) < 1.5 * MAKER.SCALE_M
 
 
 def test_pages_are_chosen_and_counted(pdf, says):

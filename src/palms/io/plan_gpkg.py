@@ -26,7 +26,7 @@ _EXPECTED = "a GeoPackage with tables of walls, doors or rooms"
 _MAGIC = b"SQLite format 3\x00"
 _ENVELOPES = {0: 0, 1: 32, 2: 48, 3: 48, 4: 64}  # bytes, by the flags of a geometry
 _MAX_FEATURES = 500_000  # ours
-_MAX_STEPS = 3_000  # ours: of 100,000 instructions each: reading a large file takes 100
+_MAX_STEPS = 500  # ours: of 100,000 instructions each: reading 500,000 features takes 100
 _DEPTH = 8  # ours: of geometry collections in each other
 
 
