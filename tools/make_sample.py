@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from make_phone_files import write_phone_files
 
+from make_phone_files import write_phone_files
 from palms import io
 from palms.evaluation.simulation import (
     InertialNoise,

@@ -190,6 +190,18 @@ def test_metres_and_where_on_earth(put):
     assert plan.origin.lat_deg == pytest.approx(48 + 8 / 60 + 30.5 / 3600)
 
 
+def test_a_unit_that_is_wrong_is_refused_with_the_factor(put, says):
+    house = House("$").storey("Ground", 0.0)  # millimetres that say they are metres
+    house.hole(house.box("Ground"), "Ground", (3000, 0), (900, 400), "IFCDOOR")
+    path = put("a.ifc", house.text())
+    with pytest.raises(InputError) as caught:
+        read_plan_ifc(path)
+    says(caught.value, "multiply by 0.001", "scale=")
+    plan = read_any(FLOORPLANS, path, None, ["scale=0.001"])
+    assert plan.size_m == pytest.approx([8.2, 5.2], abs=0.01)
+    assert rows(plan, SegmentClass.DOOR) == [[2.55, 0, 3.45, 0]]
+
+
 def test_a_model_that_is_turned_against_north(put):
     house = House(north="(1.,0.)", site=("(48,0,0)", "(-11,-30,0)")).storey("Ground", 0.0)
     house.box("Ground")

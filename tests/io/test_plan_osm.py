@@ -216,6 +216,16 @@ def test_one_building_of_several(house, put, says):
     says(caught.value, "House (id 1); Other (id 2); no name (id 3)", "'Third'")
 
 
+def test_buildings_of_two_cities_are_refused(house, put, says):
+    house.ring(box(90_000, 0, 90_020, 20), 2, building="yes", name="Other")
+    house.ring(box(90_000, 0, 90_010, 20), indoor="room", level="0")
+    path = put("a.osm", house.text())
+    with pytest.raises(InputError) as caught:
+        read_plan_osm(path)
+    says(caught.value, "one building, at most 5000 m wide", "90009 x 20 m", "building=NAME")
+    assert read_plan_osm(path, building="Other").size_m == pytest.approx([20, 20], abs=0.01)
+
+
 def test_deleted_elements_and_missing_nodes_are_left_out(house, put):
     text = house.text().replace("<way id='101'>", "<way id='101' action='delete'>")
     text = text.replace("<nd ref='1'/>", "<nd ref='999'/>")

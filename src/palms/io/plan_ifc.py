@@ -22,7 +22,7 @@ from palms.io.files import head, read_bytes, sniff
 from palms.io.ifc_storey import Ring, Storey
 from palms.io.options import number_option
 from palms.io.plan_csv import plan_name
-from palms.io.plan_parts import PlanParts, segments_along
+from palms.io.plan_parts import PlanParts, check_scale, segments_along
 from palms.io.registry import Format
 from palms.io.values import StrPath, locating
 
@@ -42,6 +42,7 @@ def read_plan_ifc(
     level: str | None = None,
     height: float = 1.2,
     frame: Literal["model", "earth"] = "model",
+    scale: float = 1.0,
 ) -> FloorPlan:
     """Read one storey of a building from an IFC model.
 
@@ -57,6 +58,8 @@ def read_plan_ifc(
     frame : {"model", "earth"}
         Whose x and y: the model's, or east and north. Where the model's y is north, or with
         "earth", the plan knows its place on Earth, if the site says it.
+    scale : float
+        Metres of what the model takes for one, where its unit is wrong.
 
     Raises
     ------
@@ -76,18 +79,23 @@ def read_plan_ifc(
         )  # fmt: skip
     del content
     require("ifcopenshell")
-    arguments = (str(path), level, height)
+    check_scale(scale, f"{path}, option scale")
+    arguments = (str(path), level, height / scale)
     storey: Storey = run_apart("palms.io.ifc_storey:load_storey", arguments, path, _KIND)
     turn_rad = math.pi / 2 - math.atan2(storey.north[1], storey.north[0])
     to_earth = frame == "earth" or abs(math.remainder(turn_rad, 2 * math.pi)) < _TURNED_RAD
     with locating(path):
         place = Origin(*storey.place) if storey.place is not None and to_earth else None
-        parts = _parts(storey, turn_rad if frame == "earth" else 0.0)
+        parts = _parts(storey, turn_rad if frame == "earth" else 0.0, scale)
     return parts.build(path, storey.building or plan_name(path), storey.name or None, place)
 
 
-def _parts(storey: Storey, turn_rad: float) -> PlanParts:
+def _parts(storey: Storey, turn_rad: float, scale: float) -> PlanParts:
     parts = PlanParts()
+
+    def place(points: FloatArray) -> FloatArray:
+        return rotate(points * scale, turn_rad)
+
     walls = (
         (SegmentClass.WALL, _outlines(storey.solids)),
         (SegmentClass.GLASS, _outlines(storey.glass)),
@@ -97,9 +105,9 @@ def _parts(storey: Storey, turn_rad: float) -> PlanParts:
     )
     for kind, lines in walls:
         for line in lines:
-            parts.add(segments_along(rotate(line, turn_rad)), kind)
+            parts.add(segments_along(place(line)), kind)
     parts.cut_doors(_REACH_M)
-    parts.rooms = [Room(name, rotate(ring[:-1], turn_rad)) for name, ring in storey.spaces
+    parts.rooms = [Room(name, place(ring[:-1])) for name, ring in storey.spaces
                    if len(ring) > 3]  # fmt: skip
     return parts
 

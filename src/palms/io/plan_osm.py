@@ -28,6 +28,7 @@ from palms.io.registry import Format
 from palms.io.values import StrPath, brief, locating, parse_number
 from palms.io.xml_events import looks_like
 from palms.repair import merge
+from palms.settings import LIMITS
 
 __all__ = ["FORMAT", "read_plan_osm"]
 
@@ -101,6 +102,13 @@ def read_plan_osm(  # noqa: PLR0913
     lon, lat = origin or (round(float(v), 7) for v in (points.min(axis=0) + points.max(axis=0)) / 2)
     with locating(path):
         place = Origin(lon, lat)
+    width_m, height_m = np.ptp(place.to_local(points), axis=0).tolist()
+    if max(width_m, height_m) > LIMITS.max_plan_m:
+        raise InputError(
+            str(path), expected=f"one building, at most {LIMITS.max_plan_m:g} m wide",
+            got=f"{width_m:.0f} x {height_m:.0f} m",
+            fix="choose with the option building=NAME or id",
+        )  # fmt: skip
     chosen = _choose(shapes, level, str(path))
     here = [each for each in shapes if not each.levels or chosen in each.levels]
     shells = _shells(file, here)
