@@ -210,6 +210,7 @@ def with_number(value):
         7,
         with_number(float("nan")),
         with_number(float("inf")),
+        line(*HALL)[:8] + bytes([1]) + struct.pack("<II", 8, 0),  # an arc
     ],
     ids=lambda each: f"{type(each).__name__} of {len(str(each))}",
 )

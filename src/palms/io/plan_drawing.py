@@ -71,22 +71,43 @@ class DoorGroup:
 
     def shut(self) -> Iterator[FloatArray]:
         """Yield the segments (N, 2, 2) that the doors fill when they are shut."""
+        near = _Nearby(self.lines)
+        leaves: set[int] = set()
         for swing in self.swings:
-            leaf = [min((_nearest(line, end) for line in self.lines), default=math.inf)
-                    for end in swing[1:]]  # fmt: skip
+            leaf = [near.distance(end) for end in swing[1:]]
             shut = swing[1] if leaf[1] <= leaf[0] else swing[2]
-            yield np.array([[self._hinge(swing[0]), shut]])
-        for line in self.lines:
-            if any(_nearest(line, swing[0]) <= _TOUCH_M for swing in self.swings):
-                continue  # the leaf of a swing
-            middle = middle_line(line) if _is_ring(line) else None
-            yield segments_along(line) if middle is None else middle
+            turning = near.within(swing[0])
+            leaves |= turning
+            yield np.array([[self._hinge(swing[0], turning), shut]])
+        for i, line in enumerate(self.lines):
+            if i not in leaves:
+                middle = middle_line(line) if _is_ring(line) else None
+                yield segments_along(line) if middle is None else middle
 
-    def _hinge(self, centre: FloatArray) -> FloatArray:
+    def _hinge(self, centre: FloatArray, turning: set[int]) -> FloatArray:
         """Return the end of the leaf that turns there; curves tell their centre less well."""
-        ends = [line[end] for line in self.lines for end in (0, -1)]
+        ends = [self.lines[i][end] for i in sorted(turning) for end in (0, -1)]
         near = min(ends, key=lambda end: math.dist(end, centre), default=centre)
         return near if math.dist(near, centre) <= _TOUCH_M else centre
+
+
+class _Nearby:
+    """Which of many lines have a point near to a place."""
+
+    def __init__(self, lines: Sequence[FloatArray]) -> None:
+        from scipy.spatial import cKDTree
+
+        counts = [len(line) for line in lines]
+        self.owners = np.repeat(np.arange(len(lines)), counts)
+        self.tree = cKDTree(np.concatenate([np.empty((0, 2)), *lines]))
+
+    def within(self, place: FloatArray) -> set[int]:
+        """Return the numbers of the lines that touch a place."""
+        return set(self.owners[self.tree.query_ball_point(place, _TOUCH_M)].tolist())
+
+    def distance(self, place: FloatArray) -> float:
+        """Return how far the nearest point is; infinite without lines."""
+        return float(self.tree.query(place)[0])
 
 
 def swing_of(points_m: FloatArray) -> FloatArray | None:
@@ -208,14 +229,16 @@ class Drawing:
                 swings.append(swing)
             else:
                 kept.append(stroke)
+        near = _Nearby([stroke.points_m for stroke in kept])
         leaves = set()
         for swing in swings:
-            for i, stroke in enumerate(kept):
-                ends = [end for end in (1, 2) if _joins(stroke.points_m, swing[0], swing[end])]
-                if ends:
+            turning = near.within(swing[0])
+            for i in sorted(turning & (near.within(swing[1]) | near.within(swing[2]))):
+                if _extent(kept[i].points_m) <= math.dist(*swing[:2]) + 2 * _TOUCH_M:
                     leaves.add(i)
-                    self.new_group().lines.append(stroke.points_m)
-                    self.groups[-1].swings.append(swing)
+                    door = self.new_group()
+                    door.lines.append(kept[i].points_m)
+                    door.swings.append(swing)
                     break
         for i, stroke in enumerate(kept):
             if i not in leaves and stroke.width >= least:
@@ -266,15 +289,8 @@ def _is_ring(points_m: FloatArray) -> bool:
     return len(points_m) > 4 and np.allclose(points_m[0], points_m[-1])
 
 
-def _nearest(points_m: FloatArray, to: FloatArray) -> float:
-    return float(np.hypot(*(points_m - to).T).min())
-
-
-def _joins(points_m: FloatArray, a: FloatArray, b: FloatArray) -> bool:
-    """Whether a line or thin area reaches from one point to another, and not beyond."""
-    reach = math.dist(a, b) + 2 * _TOUCH_M
-    extent = float(np.hypot(*np.ptp(points_m, axis=0)))
-    return extent <= reach and max(_nearest(points_m, a), _nearest(points_m, b)) <= _TOUCH_M
+def _extent(points_m: FloatArray) -> float:
+    return float(np.hypot(*np.ptp(points_m, axis=0)))
 
 
 def _typical_width(strokes: Sequence[Stroke]) -> float:

@@ -185,10 +185,11 @@ def _feature(blob: object, values: Mapping[str, Any], what: str) -> Feature | No
     try:
         with np.errstate(all="ignore"):
             geometry = shapely.from_wkb(blob[8 + envelope :])
-    except (shapely.errors.ShapelyError, ValueError) as error:
+    except (shapely.errors.ShapelyError, ValueError, NotImplementedError) as error:
         raise FormatError(
-            what, expected="a whole line or area", got=brief(str(error), 60)
-        ) from None
+            what, expected="a whole line or area of straight edges", got=brief(str(error), 60),
+            fix="turn curves into lines, or export it again",
+        ) from None  # fmt: skip
     known = {key: value for key, value in values.items() if not isinstance(value, bytes)}
     lines, rings = [], []
     for part in _parts([geometry], _DEPTH):

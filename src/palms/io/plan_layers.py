@@ -170,7 +170,7 @@ def _frame(
     low, high = points.min(axis=0), points.max(axis=0)
     crs = choice.crs if choice.crs is not None else systems[0]
     if choice.crs is None and len(systems) > 1:
-        raise InputError(
+        raise FormatError(
             what, expected="one coordinate system", got=f"{len(systems)} of them",
             fix="choose layers of one with the option layers=NAME,NAME",
         )  # fmt: skip
@@ -183,7 +183,7 @@ def _frame(
         return (lambda each: each * choice.scale), known
     if crs.lower() in _WGS84 or (_DEGREES.match(crs) and _LIKE_WGS84.search(crs)):
         if not on_earth:
-            raise InputError(
+            raise FormatError(
                 what, expected="degrees", got=f"coordinates up to {np.abs([low, high]).max():g}",
                 fix="name its coordinate system with the option crs=EPSG:NUMBER, or crs=local",
             )  # fmt: skip
