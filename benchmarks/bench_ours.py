@@ -9,6 +9,7 @@ from palms.observation import scan_points, search
 from palms.odometry import Move
 from palms.particles import advance
 from palms.population import adapted, start_posterior
+from palms.posterior import judged
 from palms.randomness import as_key
 from palms.settings import Settings
 
@@ -18,8 +19,9 @@ KEY = as_key(0)
 
 def cases() -> list[Case]:
     ours, plan = Settings(), raster()
-    found, points = search(scan(), plan), scan_points(scan())
-    start = start_posterior(found, points, plan, ours, KEY)
+    roughly, points = search(scan(), plan), scan_points(scan())
+    found = judged(roughly, points, plan, ours.observation)
+    start = start_posterior(found, plan, ours, KEY)
     belief, moves = Belief(start), list(walk().moves())
 
     def step() -> None:
@@ -35,7 +37,8 @@ def cases() -> list[Case]:
 
     return [
         Case("search of a scan, all drifts", lambda: search(scan(), plan), 100.0),
-        Case("start: 60,000 poses judged", lambda: start_posterior(found, points, plan, ours, KEY)),
+        Case("60,000 poses judged", lambda: judged(roughly, points, plan, ours.observation)),
+        Case("start: 30,000 particles drawn", lambda: start_posterior(found, plan, ours, KEY)),
         Case("first step of 30,000 particles, judged", step),
         Case("walk of 252 steps, method palms", follow),
     ]

@@ -3,9 +3,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from palms.observation import scan_points, search
 from palms.particles import Particles
 from palms.population import adapted, anywhere, mixed, pushed, start_posterior
+from palms.posterior import posterior
 from palms.randomness import as_key
 from palms.raster import rasterize
 from palms.settings import Settings
@@ -27,8 +27,7 @@ def crowd(weight, position=None):
 
 
 def test_the_start_is_the_posterior_and_some_of_anywhere():
-    found = search(SCAN, RASTER)
-    start = start_posterior(found, scan_points(SCAN), RASTER, FEW, KEY)
+    start = start_posterior(posterior(SCAN, RASTER), RASTER, FEW, KEY)
     assert len(start) == 4000
     assert start.weight.sum() == pytest.approx(1)
     near = np.linalg.norm(start.position_m - POINT, axis=1) < 0.5
@@ -80,9 +79,8 @@ def test_copies_are_spread_through_no_wall():
     assert (after.position_m[~in_a_door, 1] < 5).all()
 
 
-def test_candidates_are_carried_along():
-    found = search(SCAN, RASTER)
-    moved = pushed(found, 4000, np.array([2.0, 0.0]), KEY)
+def test_what_a_scan_says_is_carried_along():
+    moved = pushed(posterior(SCAN, RASTER), 4000, np.array([2.0, 0.0]), KEY)
     expected = POINT + 2 * np.array([np.cos(0.4), np.sin(0.4)])
     near = np.linalg.norm(moved.position_m - expected, axis=1) < 0.6
     assert moved.weight[near].sum() > 0.5

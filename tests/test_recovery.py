@@ -51,7 +51,7 @@ def test_a_jump_without_notice_is_noticed_and_a_new_scan_finds_it():
         stages.append(localizer.move(Move(t + 0.5 * (k + 1), dx, dy)).stage)
     assert Stage.LOST in stages
     assert stages[-1] is not Stage.LOCALIZED
-    here = np.array([3.0, 9.2])
+    here = np.array([10.5, 9.2])
     estimate = localizer.observe(scan_at(here))
     assert off(estimate, here) < 0.5
     assert estimate.p_within_2m > 0.3  # the best of several places, from one scan

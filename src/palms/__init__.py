@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from palms.belief import Estimate as Estimate
     from palms.belief import Hypothesis as Hypothesis
     from palms.belief import Stage as Stage
+    from palms.building import Building as Building
+    from palms.building import Stairs as Stairs
     from palms.errors import FormatError as FormatError
     from palms.errors import InputError as InputError
     from palms.errors import OutputError as OutputError
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     from palms.io import read_floorplan as read_floorplan
     from palms.io import read_scan as read_scan
     from palms.io import read_walk as read_walk
+    from palms.localizer import Happening as Happening
     from palms.localizer import Localizer as Localizer
     from palms.localizer import Track as Track
     from palms.localizer import locate as locate
@@ -38,6 +41,7 @@ if TYPE_CHECKING:
     from palms.odometry import Move as Move
     from palms.odometry import Odometry as Odometry
     from palms.particles import Particles as Particles
+    from palms.posterior import Posterior as Posterior
     from palms.raster import PlanRaster as PlanRaster
     from palms.raster import rasterize as rasterize
     from palms.scan import Scan as Scan
@@ -64,15 +68,19 @@ _HOMES = {
     "Estimate": "belief",
     "Hypothesis": "belief",
     "Stage": "belief",
+    "Building": "building",
+    "Stairs": "building",
     "Candidates": "heatmap",
     "Heatmaps": "heatmap",
     "Hint": "hints",
+    "Happening": "localizer",
     "Localizer": "localizer",
     "Track": "localizer",
     "locate": "localizer",
     "track": "localizer",
     "track_trials": "localizer",
     "Particles": "particles",
+    "Posterior": "posterior",
     "PlanRaster": "raster",
     "rasterize": "raster",
     "Template": "template",

@@ -48,12 +48,15 @@ class Hypothesis(NamedTuple):
         Probability that the phone is within 2 m of it.
     drift_rad : float
         Mean drift there, in (-pi, pi].
+    level : str or None
+        In a building of several levels.
     """
 
     x_m: float
     y_m: float
     share: float
     drift_rad: float
+    level: str | None = None
 
 
 @dataclass(frozen=True)
@@ -204,6 +207,11 @@ class Estimate:
         Discs around it that hold 68 % and 95 % of the belief.
     hypotheses : tuple of Hypothesis
         The places that hold most of the belief, most probable first.
+    level : str or None
+        In a building of several levels; the radii then hold what lies on other levels, too,
+        and are very large while the level is open.
+    p_level : float
+        Probability that the phone is on it; 1 where there is only one.
 
     Examples
     --------
@@ -221,6 +229,8 @@ class Estimate:
     radius_68_m: float | None = None
     radius_95_m: float | None = None
     hypotheses: tuple[Hypothesis, ...] = ()
+    level: str | None = None
+    p_level: float = 1.0
 
     @property
     def is_localized(self) -> bool:

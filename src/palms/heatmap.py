@@ -142,8 +142,8 @@ class Candidates:
         Share of the whole belief that the kept cells stand for.
     drift_step_rad : float
         The true drift may lie half of this to either side.
-    log_mean : float
-        Logarithm of the mean likelihood over the prior; 0 where scores are no likelihoods.
+    n_poses : int
+        How many there are, all cells inside times all drifts around; 0 where nobody asks.
     """
 
     grid: Grid
@@ -154,7 +154,7 @@ class Candidates:
     log_weight: FloatArray
     mass: float = 1.0
     drift_step_rad: float = 0.0
-    log_mean: float = 0.0
+    n_poses: int = 0
 
     def __len__(self) -> int:
         return len(self.cells)

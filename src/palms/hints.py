@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from palms.building import Atlas
 from palms.errors import InputError
 from palms.geometry import FloatArray, check_finite
 from palms.raster import PlanRaster
@@ -18,23 +19,25 @@ MARGIN_M = 1.0  # ours: in a room is also at its door
 
 @dataclass(frozen=True, slots=True)
 class Hint:
-    """Somebody says that the phone is near a place, or in a room.
+    """Somebody says that the phone is near a place, in a room, or on a level.
 
     Parameters
     ----------
     place_m : array_like (2,), optional
-        In the map frame; this or `room`.
+        In the map frame; not together with `room`.
     radius_m : float
         So near to it.
     room : str, optional
         Name of a room of the plan.
+    level : str, optional
+        Name of a level of the building, alone or with a place or a room.
     probability : float
         How often such a hint is true.
 
     Raises
     ------
     InputError
-        When both are given or neither, or a number is out of its range.
+        When place and room are given, or nothing is, or a number is out of its range.
 
     Examples
     --------
@@ -45,11 +48,14 @@ class Hint:
     place_m: FloatArray | None = None
     radius_m: float = 5.0
     room: str | None = None
+    level: str | None = None
     probability: float = 0.9
 
     def __post_init__(self) -> None:
-        if (self.place_m is None) == (self.room is None):
-            raise InputError("hint", expected="a place or a room", got="both or neither")
+        if self.place_m is not None and self.room is not None:
+            raise InputError("hint", expected="a place or a room", got="both")
+        if self.place_m is None and self.room is None and self.level is None:
+            raise InputError("hint", expected="a place, a room or a level", got="none of them")
         if self.place_m is not None:
             place = check_finite(self.place_m, "the hint's place", (2,))
             object.__setattr__(self, "place_m", place)
@@ -60,41 +66,78 @@ class Hint:
                 "the hint's probability", expected="between 0 and 1", got=str(self.probability)
             )
 
-    def ratio(self, position_m: FloatArray, raster: PlanRaster) -> FloatArray:
+    def ratio(
+        self, position_m: FloatArray, raster: PlanRaster, atlas: Atlas | None = None
+    ) -> FloatArray:
         """Return how much more the hint speaks for positions (N, 2) than for any place.
 
         Bayes' rule with an even prior over the inside of the building.
 
+        Parameters
+        ----------
+        position_m : (N, 2)
+            In the map frame, or on the atlas where there is one.
+        raster : PlanRaster
+        atlas : Atlas, optional
+            Of a building of several levels.
+
         Raises
         ------
         InputError
-            When the plan has no such room, or nothing inside lies near the place.
+            When the plan has no such room or level, or nothing inside lies near the place.
         """
-        grid = raster.grid
-        cells = np.argwhere(raster.inside)
-        share = float(self._holds(grid.position_of(cells), raster).mean())
+        cells = raster.grid.position_of(np.argwhere(raster.inside))
+        share = float(self._holds(cells, raster, atlas).mean())
         if share == 0:
             raise InputError(
-                "hint", expected="a place in the building", got=str(self.place_m),
+                "hint", expected="a place in the building", got=self._words(),
                 fix="check its coordinates, or give a larger radius",
             )  # fmt: skip
         share = min(share, 1 - 1e-9)
         inside, outside = self.probability / share, (1 - self.probability) / (1 - share)
-        return np.where(self._holds(position_m, raster), inside, outside)
+        return np.where(self._holds(position_m, raster, atlas), inside, outside)
 
-    def _holds(self, position_m: FloatArray, raster: PlanRaster) -> npt.NDArray[np.bool_]:
+    def _words(self) -> str:
+        said = {"place": self.place_m, "room": self.room, "level": self.level}
+        return ", ".join(f"{name} {what}" for name, what in said.items() if what is not None)
+
+    def _holds(
+        self, position_m: FloatArray, raster: PlanRaster, atlas: Atlas | None
+    ) -> npt.NDArray[np.bool_]:
+        holds = np.ones(len(position_m), np.bool_)
+        if self.level is not None:
+            holds &= _on_level(self.level, position_m, raster, atlas)
         if self.place_m is not None:
-            away: FloatArray = np.linalg.norm(position_m - self.place_m, axis=1)
-            return np.asarray(away <= self.radius_m)
-        import shapely
+            folded = position_m if atlas is None else atlas.folded(position_m)
+            holds &= np.linalg.norm(folded - self.place_m, axis=1) <= self.radius_m
+        if self.room is not None:
+            holds &= _in_room(self.room, position_m, raster)
+        return holds
 
-        rooms = [room for room in raster.plan.rooms if room.name == self.room]
-        if not rooms:
-            known = ", ".join(sorted({room.name for room in raster.plan.rooms})[:8])
-            raise InputError(
-                "hint", expected=f"one of the plan's rooms ({known or 'it has none'})",
-                got=repr(self.room), fix="palms plan info lists them",
-            )  # fmt: skip
-        area = shapely.union_all([shapely.Polygon(r.polygon_m) for r in rooms]).buffer(MARGIN_M)
-        shapely.prepare(area)
-        return np.asarray(shapely.contains_xy(area, position_m[:, 0], position_m[:, 1]))
+
+def _on_level(
+    name: str, position_m: FloatArray, raster: PlanRaster, atlas: Atlas | None
+) -> npt.NDArray[np.bool_]:
+    if atlas is not None:
+        return np.asarray(atlas.level_of(position_m) == atlas.building.index(name))
+    if raster.plan.level != name:
+        raise InputError(
+            "hint", expected=f"the plan's level ({raster.plan.level or 'it has no name'})",
+            got=repr(name), fix="give the plans of the other levels, too",
+        )  # fmt: skip
+    return np.ones(len(position_m), np.bool_)
+
+
+def _in_room(name: str, position_m: FloatArray, raster: PlanRaster) -> npt.NDArray[np.bool_]:
+    import shapely
+
+    rooms = [room for room in raster.plan.rooms if room.name == name]
+    if not rooms:
+        known = ", ".join(sorted({room.name for room in raster.plan.rooms})[:8])
+        raise InputError(
+            "hint", expected=f"one of the plan's rooms ({known or 'it has none'})",
+            got=repr(name), fix="palms plan info lists them",
+        )  # fmt: skip
+    area = shapely.union_all([shapely.Polygon(r.polygon_m) for r in rooms]).buffer(MARGIN_M)
+    shapely.prepare(area)
+    return np.asarray(shapely.contains_xy(area, position_m[:, 0], position_m[:, 1]))

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from palms.geometry import FloatArray, wrap_angle
 from palms.heatmap import Candidates
+from palms.posterior import Posterior
 
 __all__ = ["Place", "find_places"]
 
@@ -39,7 +40,9 @@ class Place(NamedTuple):
     score: float
 
 
-def find_places(candidates: Candidates, separation_m: float = SEPARATION_M) -> tuple[Place, ...]:
+def find_places(
+    candidates: Candidates | Posterior, separation_m: float = SEPARATION_M
+) -> tuple[Place, ...]:
     """Gather candidate cells around the best of them, those of other drifts apart.
 
     Going down the scores, a cell that no peak has within `separation_m` becomes a peak; every
@@ -48,7 +51,7 @@ def find_places(candidates: Candidates, separation_m: float = SEPARATION_M) -> t
 
     Parameters
     ----------
-    candidates : Candidates
+    candidates : Candidates or Posterior
     separation_m : float
         Above 0.
 

@@ -16,8 +16,6 @@ import numpy.typing as npt
 from palms._compiled import filter as loops
 from palms._compiled import observation as counts
 from palms.geometry import FloatArray, rotate_each
-from palms.heatmap import Candidates
-from palms.observation import ScanPoints, log_likelihood
 from palms.particles import (
     Particles,
     any_drift,
@@ -25,21 +23,20 @@ from palms.particles import (
     resample_systematic,
     start_everywhere,
 )
+from palms.posterior import Posterior
 from palms.randomness import RandomKey
 from palms.raster import PlanRaster
 from palms.settings import ResamplingSettings, Settings
 
-__all__ = ["adapted", "anywhere", "mixed", "pushed", "start_posterior"]
+__all__ = ["adapted", "anywhere", "drawn", "mixed", "pushed", "start_posterior"]
 
-_PROPOSE, _JUDGE, _SPARE, _ADAPT, _JITTER = 10, 11, 12, 13, 14  # purposes of random numbers
-FLAT = 0.7  # ours: power of the shares that proposals are drawn by; the coarse search errs
+_JUDGE, _SPARE, _ADAPT, _JITTER = 11, 12, 13, 14  # purposes of random numbers
 DUST = 1e-3  # ours: a particle of less than this of its fair weight occupies no bin
 SHRINK = 0.7  # ours: fewer particles pay only when they are fewer than this share
 
 
 def start_posterior(
-    candidates: Candidates,
-    points: ScanPoints,
+    found: Posterior,
     raster: PlanRaster,
     settings: Settings,
     key: RandomKey,
@@ -47,63 +44,35 @@ def start_posterior(
 ) -> Particles:
     """Draw particles from the posterior of a scan, some of them from anywhere.
 
-    Poses are proposed by the candidates, judged one by one by the likelihood, and drawn.
-
     Parameters
     ----------
-    candidates : Candidates
-        From `palms.observation.search`.
-    points : ScanPoints
-        The same scan.
+    found : Posterior
     raster : PlanRaster
     settings : Settings
     key : RandomKey
     own_frame : bool
         Whether the walk's frame is not the scan's: the drift is then anything.
     """
-    observation, n = settings.observation, settings.start.n_particles
-    n_spare = round(n * settings.start.spare_share) if observation.elsewhere > 0 else 0
-    likely = _judged(candidates, points, raster, settings, key)
-    index, weight = _by_root(likely.weight, n - n_spare, key.child(_JUDGE))
-    start = likely.take(index, weight)
+    n = settings.start.n_particles
+    elsewhere = 1 - found.mass
+    n_spare = round(n * settings.start.spare_share) if elsewhere > 0 else 0
+    start = drawn(found, n - n_spare, key.child(_JUDGE))
     if own_frame:
         start = replace(start, drift_rad=any_drift(len(start), key))
     if not n_spare:
         return start
-    drifts = None if own_frame else candidates.drifts_rad
-    spare = anywhere(raster, n_spare, drifts, candidates.drift_step_rad, key.child(_SPARE))
-    return mixed(start, spare, observation.elsewhere)
+    drifts = None if own_frame else found.drifts_rad
+    spare = anywhere(raster, n_spare, drifts, found.drift_step_rad, key.child(_SPARE))
+    return mixed(start, spare, elsewhere)
 
 
-def _judged(
-    candidates: Candidates,
-    points: ScanPoints,
-    raster: PlanRaster,
-    settings: Settings,
-    key: RandomKey,
-) -> Particles:
-    """Propose poses by the candidates and weigh them by the likelihood."""
-    chance = np.exp(FLAT * (candidates.log_weight - candidates.log_weight.max()))
-    index, position, drift = _sampled(candidates, chance, settings.start.n_proposals, key)
-    nats = log_likelihood(points, raster, position, drift, settings.observation)
-    nats = settings.observation.strength * nats - np.log(chance[index])
-    weight = np.exp(nats - nats.max())
-    weight /= weight.sum()
-    return Particles(position, drift, np.ones(len(drift)), candidates.label[index], weight)
-
-
-def _sampled(
-    candidates: Candidates, chance: FloatArray, n: int, key: RandomKey
-) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray]:
-    """Draw n cells by their chance, and a pose in each: index, position and drift."""
-    index = resample_systematic(chance, n, key.child(_PROPOSE))
-    position, drift, turn = np.empty((n, 2)), np.empty(n), np.empty((n, 1))
-    loops.place(
-        candidates.cells, candidates.drift_rad, index, candidates.grid.cell_size_m,
-        candidates.grid.origin_m, key.child(_PROPOSE, 1).word, position, drift,
-    )  # fmt: skip
-    loops.uniforms(key.child(_PROPOSE, 2).word, 1, turn)
-    return index, position, drift + (turn[:, 0] - 0.5) * candidates.drift_step_rad
+def drawn(found: Posterior, n: int, key: RandomKey) -> Particles:
+    """Draw n poses of a posterior by the root of their weight."""
+    weight = np.exp(found.log_weight)
+    index, weight = _by_root(weight, n, key)
+    return Particles(
+        found.position_m[index], found.drift_rad[index], np.ones(n), found.label[index], weight
+    )
 
 
 def anywhere(
@@ -146,24 +115,20 @@ def mixed(belief: Particles, others: Particles, share: float) -> Particles:
     )
 
 
-def pushed(candidates: Candidates, n: int, moved_m: FloatArray, key: RandomKey) -> Particles:
-    """Sample the candidates, carried along by what was walked since their scan.
+def pushed(found: Posterior, n: int, moved_m: FloatArray, key: RandomKey) -> Particles:
+    """Draw from the posterior of a scan, carried along by what was walked since.
 
     Parameters
     ----------
-    candidates : Candidates
+    found : Posterior
     n : int
     moved_m : (2,)
         From the scan's observation point to the phone, odom frame.
     key : RandomKey
     """
-    root = np.exp(0.5 * (candidates.log_weight - candidates.log_weight.max()))
-    index, position, drift = _sampled(candidates, root, n, key)
-    left = root[index]
-    return Particles(
-        position + rotate_each(moved_m, drift), drift, np.ones(n), candidates.label[index],
-        left / left.sum(),
-    )  # fmt: skip
+    particles = drawn(found, n, key)
+    offset = rotate_each(moved_m, particles.drift_rad)
+    return replace(particles, position_m=particles.position_m + offset)
 
 
 def adapted(

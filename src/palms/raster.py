@@ -63,7 +63,9 @@ class PlanRaster:
     inside: npt.NDArray[np.bool_]
     walls: loops.Walls
     settings: RasterSettings
-    sights: dict[tuple[float, ...], Any] = field(default_factory=dict, repr=False, compare=False)
+    sights: dict[tuple[str | float, ...], Any] = field(
+        default_factory=dict, repr=False, compare=False
+    )
     _spectra: dict[tuple[int, ...], npt.NDArray[np.complex64]] = field(
         default_factory=dict, repr=False, compare=False
     )

@@ -8,13 +8,15 @@ from typing import NamedTuple
 import numpy as np
 
 from palms.belief import Belief, Stage
+from palms.building import Atlas
 from palms.declaration import doubted, judge
 from palms.geometry import FloatArray, rotate_each
-from palms.heatmap import Candidates
+from palms.grid import Grid
 from palms.hints import Hint
-from palms.observation import ScanPoints, log_likelihood
+from palms.observation import log_likelihood
 from palms.particles import Particles, reweight, with_scales
 from palms.population import adapted, anywhere, mixed, pushed, start_posterior
+from palms.posterior import Posterior
 from palms.randomness import RandomKey
 from palms.raster import PlanRaster
 from palms.settings import MotionSettings, Settings
@@ -22,6 +24,7 @@ from palms.settings import MotionSettings, Settings
 __all__ = ["Conditions", "Sighting", "look_again", "look_elsewhere", "take_hint"]
 
 LARGEST_NATS = 300.0  # ours: a scan says no more than this; larger numbers overflow
+PLACE_M = 0.4  # ours: places whose drift is unknown are told apart so finely
 N_TURNS = 64  # ours: so many of the belief's drifts stand for all
 TURN_RAD = 0.1  # ours: spread around each
 
@@ -37,12 +40,15 @@ class Conditions(NamedTuple):
         For the phone's kind of odometry.
     own_frame : bool
         Whether the odometry's frame is not the scan's.
+    atlas : Atlas or None
+        Of a building of several levels.
     """
 
     raster: PlanRaster
     settings: Settings
     motion: MotionSettings
     own_frame: bool
+    atlas: Atlas | None = None
 
 
 class Sighting(NamedTuple):
@@ -50,12 +56,12 @@ class Sighting(NamedTuple):
 
     Attributes
     ----------
-    candidates : Candidates
+    found : Posterior
     moved_m : (2,)
         From the scan's observation point, odom frame.
     """
 
-    candidates: Candidates
+    found: Posterior
     moved_m: FloatArray
 
 
@@ -64,7 +70,7 @@ def look_elsewhere(
 ) -> Belief:
     """Take other places into a belief that is lost.
 
-    Half of them are the latest scan's candidates, carried along by the odometry since; the
+    Half of them are the latest scan's poses, carried along by the odometry since; the
     others lie anywhere, with the drifts of the belief.
 
     Parameters
@@ -87,12 +93,12 @@ def _others(
     particles: Particles, sighting: Sighting | None, conditions: Conditions, key: RandomKey
 ) -> Particles:
     """Other places: anywhere with the drifts that are known, and what the latest scan said."""
-    raster, settings, motion, own_frame = conditions
+    raster, settings, motion, own_frame, _ = conditions
     n = max(1, settings.start.n_particles // 2)
     turns = particles.drift_rad[:: max(1, len(particles) // N_TURNS)]
     others = anywhere(raster, n, turns, TURN_RAD, key.child(0))
     if sighting is not None and not own_frame:
-        seen = pushed(sighting.candidates, n, sighting.moved_m, key.child(1))
+        seen = pushed(sighting.found, n, sighting.moved_m, key.child(1))
         others = mixed(others, seen, 0.5)
     return with_scales(others, motion, key.child(2))
 
@@ -112,7 +118,10 @@ def take_hint(
     """
     raster, settings, n = conditions.raster, conditions.settings, len(belief.particles)
     others = _others(belief.particles, sighting, conditions, key)
-    ratio = hint.ratio(np.concatenate([belief.particles.position_m, others.position_m]), raster)
+    if hint.level is not None and conditions.atlas is not None:
+        others = mixed(others, _moved(belief.particles, hint.level, conditions.atlas), 0.5)
+    places = np.concatenate([belief.particles.position_m, others.position_m])
+    ratio = hint.ratio(places, raster, conditions.atlas)
     particles, kept = reweight(belief.particles, ratio[:n])
     others, _ = reweight(others, ratio[n:])
     doubt = doubted(belief.doubt, kept, settings.declaration)
@@ -124,12 +133,14 @@ def take_hint(
     return judge(replace(belief, doubt=left), wider, settings.declaration)
 
 
+def _moved(particles: Particles, level: str, atlas: Atlas) -> Particles:
+    """Move particles to a level; no stairs are asked for, since no plan shows all of them."""
+    index = atlas.building.index(level)
+    return replace(particles, position_m=atlas.on_level(particles.position_m, index))
+
+
 def look_again(
-    belief: Belief,
-    sighting: Sighting,
-    points: ScanPoints,
-    conditions: Conditions,
-    key: RandomKey,
+    belief: Belief, sighting: Sighting, conditions: Conditions, key: RandomKey
 ) -> Belief:
     """Weigh a belief by one more scan, and take in the places that the scan knows of.
 
@@ -141,18 +152,15 @@ def look_again(
     ----------
     belief : Belief
     sighting : Sighting
-        The scan's candidates, and the way from its observation point to the phone.
-    points : ScanPoints
+        What the scan says, and the way from its observation point to the phone.
     conditions : Conditions
     key : RandomKey
     """
-    raster, settings, motion, own_frame = conditions
+    raster, settings, motion, own_frame, _ = conditions
     observation, declaration = settings.observation, settings.declaration
-    particles, kept = reweight(
-        belief.particles, _ratio(belief.particles, sighting, points, conditions)
-    )
+    particles, kept = reweight(belief.particles, _ratio(belief.particles, sighting, conditions))
     doubt = doubted(belief.doubt, kept, declaration)
-    others = start_posterior(sighting.candidates, points, raster, settings, key, own_frame)
+    others = start_posterior(sighting.found, raster, settings, key, own_frame)
     others = with_scales(carried(others, sighting.moved_m), motion, key)
     wider = adapted(
         mixed(particles, others, doubt), raster, settings.resampling,
@@ -177,17 +185,15 @@ def carried(particles: Particles, by_odom_m: FloatArray) -> Particles:
     return replace(particles, position_m=particles.position_m + offset)
 
 
-def _ratio(
-    particles: Particles, sighting: Sighting, points: ScanPoints, conditions: Conditions
-) -> FloatArray:
+def _ratio(particles: Particles, sighting: Sighting, conditions: Conditions) -> FloatArray:
     """Likelihood of a scan at each particle against that anywhere (N,)."""
-    observation, found = conditions.settings.observation, sighting.candidates
+    observation, found = conditions.settings.observation, sighting.found
     at_scan = particles.position_m - rotate_each(sighting.moved_m, particles.drift_rad)
     if conditions.own_frame:
         nats = _log_ratio_of_places(at_scan, found, conditions.raster)
     else:
         nats = log_likelihood(
-            points, conditions.raster, at_scan, particles.drift_rad, observation
+            found.points, conditions.raster, at_scan, particles.drift_rad, observation
         )  # fmt: skip
         nats = observation.strength * nats - found.log_mean
     ratio: FloatArray = np.exp(np.minimum(nats, LARGEST_NATS))
@@ -195,14 +201,17 @@ def _ratio(
 
 
 def _log_ratio_of_places(
-    position_m: FloatArray, found: Candidates, raster: PlanRaster
+    position_m: FloatArray, found: Posterior, raster: PlanRaster
 ) -> FloatArray:
     """Log ratio of a scan's share of each place, whatever its drift, to an even share."""
-    share = np.zeros(found.grid.shape)
-    np.add.at(share, tuple(found.cells.T), np.exp(found.log_weight))
-    even = (raster.grid.cell_size_m / found.grid.cell_size_m) ** 2 * raster.inside.sum()
-    cell = found.grid.cell_of(position_m)
-    on = found.grid.contains(position_m)
+    left, right, bottom, top = raster.grid.extent_m()
+    grid = Grid.covering((left, bottom), (right, top), PLACE_M)
+    share = np.zeros(grid.shape)
+    on = grid.contains(found.position_m)
+    np.add.at(share, tuple(grid.cell_of(found.position_m[on]).T), np.exp(found.log_weight[on]))
+    even = (raster.grid.cell_size_m / grid.cell_size_m) ** 2 * raster.inside.sum()
+    on = grid.contains(position_m)
     ratio = np.full(len(position_m), np.exp(-LARGEST_NATS))
-    ratio[on] = np.maximum(share[tuple(cell[on].T)] * even, ratio[on])
+    cell = grid.cell_of(position_m[on])
+    ratio[on] = np.maximum(share[tuple(cell.T)] * even, ratio[on])
     return np.asarray(np.log(ratio))

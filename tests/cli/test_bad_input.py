@@ -62,7 +62,6 @@ WALKS = {
     "another session": ({"session_id": 8}, "session"),
     "no odometry": ({"ARKit_raw_2D": None, "RoNIN_raw_2D": None}, "ARKit_raw_2D"),
     "no times": ({"time_intervals": None}, "time_intervals"),
-    "no odometry of that source": ({"ARKit_raw_2D": None}, "'arkit'"),
 }
 FILES = {
     "empty": (b"", "empty"),

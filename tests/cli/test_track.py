@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from palms import Settings
-from palms.cli._inputs import Source, make_settings, read_case
+from palms.cli._inputs import Input, make_settings, read_case
 from palms.cli._pictures import tell_story
 from palms.cli.track import follow
 from palms.io import read_walk
@@ -112,6 +112,28 @@ def test_a_line_for_each_trial(palms, world):
     assert together.startswith("Localized in ")
 
 
+def test_a_walk_with_inertial_odometry_alone_is_followed_by_it_and_a_note_says_so(palms, own_world):
+    content = json.loads(own_world.walk.read_text())
+    del content["ARKit_raw_2D"]
+    own_world.walk.write_text(json.dumps(content))
+    arguments = ("track", own_world.plan, own_world.scan, own_world.walk, "--json", "-")
+    chosen = palms(*arguments, "--walk-source", "ronin")
+    left_to_it = palms(*arguments)
+    assert left_to_it.stdout == chosen.stdout
+    assert json.loads(left_to_it.stdout)["walk_source"] == "ronin"
+    told = set(left_to_it.stderr.splitlines()) - set(chosen.stderr.splitlines())
+    assert len(told) == 1
+    assert "no arkit odometry; it is followed by ronin" in told.pop()
+
+
+def test_a_source_that_was_asked_for_and_is_not_there_is_refused(palms_fails, own_world):
+    content = json.loads(own_world.walk.read_text())
+    del content["ARKit_raw_2D"]
+    own_world.walk.write_text(json.dumps(content))
+    arguments = ("track", own_world.plan, own_world.scan, own_world.walk)
+    assert "expected one of ronin" in palms_fails(*arguments, "--walk-source", "arkit")
+
+
 def test_without_a_reference_nothing_is_said_of_the_truth(palms, own_world):
     content = json.loads(own_world.walk.read_text())
     del content["ARKit_PF"]
@@ -188,7 +210,7 @@ def test_pictures_without_a_scan(palms, world, tmp_path):
 
 def test_pictures_show_the_track_of_the_json(palms, world):
     settings = make_settings("palms")
-    case = read_case(Source(world.plan), Source(world.scan), Source(world.walk), "arkit")
+    case = read_case(Input(world.plan), Input(world.scan), Input(world.walk), "arkit")
     (alone,) = follow(case, settings, range(4, 5))
     shown = tell_story(case, settings, 4).track
     assert np.array_equal(alone.position_m, shown.position_m)

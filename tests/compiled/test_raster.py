@@ -49,3 +49,22 @@ def test_buckets_hold_every_segment_that_comes_near_them():
         box = shapely.box(c * 0.5, r * 0.5, c * 0.5 + 0.5, r * 0.5 + 0.5)
         expected = np.flatnonzero(shapely.distance(box, lines) <= 1e-6)
         assert sorted(items[start[b] : start[b + 1]]) == list(expected)
+
+
+def test_number_marks_what_a_segment_runs_through_and_what_lies_beside():
+    rng = np.random.default_rng(8)
+    segments = rng.uniform(0, 5, (12, 4))
+    out = np.full((20, 20), -1, np.int32)
+    raster.number(segments, 0.25, out)
+    for i, (x0, y0, x1, y1) in enumerate(segments):
+        along = np.linspace(0, 1, 400)[:, None]
+        on = np.floor(((1 - along) * [x0, y0] + along * [x1, y1]) / 0.25).astype(int)
+        through = out[np.minimum(on[:, 1], 19), np.minimum(on[:, 0], 19)]
+        assert (through >= 0).all()
+        assert (through[through != i] > i).mean() > 0.8 if (through != i).any() else True
+    one = np.full((20, 20), -1, np.int32)
+    raster.number(segments[:1], 0.25, one)
+    marked = np.argwhere(one == 0)
+    centre = (marked[:, ::-1] + 0.5) * 0.25
+    line = shapely.LineString(segments[0].reshape(2, 2))
+    assert max(line.distance(shapely.Point(p)) for p in centre) < 0.25 * 2.2

@@ -129,7 +129,7 @@ def rejection_sampled(motion, drifts, n):
 def test_the_oracle_is_our_method_told_the_noise():
     vio = draw_nuisances(np.random.default_rng(3)).vio
     oracle, best = oracle_settings(vio), Settings()
-    changed = ("method", "start", "motion", "resampling")
+    changed = ("method", "start", "motion", "observation", "resampling")
     kept = [g.name for g in fields(Settings) if g.name not in changed]
     assert all(getattr(oracle, name) == getattr(best, name) for name in kept)
     noise = move_noise(0.65, oracle.motion, duration_s=4.0)

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import importlib.metadata
 import json
+import sys
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
+
+from palms.io.registry import FLOORPLANS, formats
 
 PLANE = {
     "index": 0,
@@ -77,3 +82,22 @@ def unwritable(tmp_path: Path) -> Path:
     blocked = tmp_path / "blocked"
     blocked.write_text("a file")
     return blocked
+
+
+@pytest.fixture
+def install(monkeypatch):
+    """Make entry points of other packages; forget them afterwards."""
+    module = ModuleType("palms_plugin_for_tests")
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+
+    def install_readers(**readers: object) -> None:
+        entries = []
+        for name, reader in readers.items():
+            setattr(module, name, reader)
+            value = f"{module.__name__}:{name}" if reader is not None else "no.such.module:x"
+            entries.append(importlib.metadata.EntryPoint(name, value, FLOORPLANS))
+        monkeypatch.setattr(importlib.metadata, "entry_points", lambda group: entries)
+        formats.cache_clear()
+
+    yield install_readers
+    formats.cache_clear()

@@ -12,8 +12,11 @@ import numpy as np
 import pytest
 
 from palms.errors import InputError, PalmsWarning
+from palms.extraction import ExtractionSettings
+from palms.geometry import lengths
 from palms.io import point_clouds, read_scan
-from palms.io.depth_folder import pixel_size, read_frames
+from palms.io.depth_folder import read_frames
+from palms.io.depth_images import pixel_size
 from palms.io.ply import read_ply_points
 
 DATA = Path(__file__).parent / "data" / "scans"
@@ -141,6 +144,7 @@ def header_only(shape, dtype="<f8"):
         (header_only((10**12, 3)), "at most 2 GB"),
         (header_only((1000, 3)), "1000 points, as its header says"),
         (header_only((1000, 3), "|O"), "points|shape"),
+        (header_only((1, 200_000_000)), r"\(P, 3\)"),
         (saved(a=np.zeros(5)), r"\(P, 3\)"),
         (saved(a=np.zeros((5, 3), complex)), r"\(P, 3\)"),
         (saved(xyz=np.array([[None, 1, 2]], object)), r"\(P, 3\)"),
@@ -260,6 +264,12 @@ def depth(tmp_path):
 
 def change(path, edit):
     path.write_text(json.dumps(edit(json.loads(path.read_text()))))
+
+
+def test_what_counts_as_a_wall_is_heeded(depth):
+    every = lengths(read_scan(depth).walls_m)
+    long = lengths(read_scan(depth, settings=ExtractionSettings(min_length_m=2.5)).walls_m)
+    assert every.min() < 2.5 <= long.min()
 
 
 def test_the_folder_names_the_session(depth):

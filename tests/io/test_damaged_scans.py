@@ -1,16 +1,16 @@
 """Damaged copies of good scans of every format: a clear error or a valid scan, and nothing else."""
 
+import functools
 import shutil
-import warnings
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from palms.errors import PalmsError, PalmsWarning
+from palms.errors import PalmsError
 from palms.io import SCANS, formats, read_scan
 from palms.scan import Scan
+from tests.io.damage import damaged, damages, outcome
 
 DATA = Path(__file__).parent / "data" / "scans"
 FAST = {
@@ -33,45 +33,11 @@ SLOW = {
     "stray/depth/000000.png": "stray-scanner",
     "stray/confidence/000000.png": "stray-scanner",
 }
-PIECES = [bytes([b]) for b in b'019e-+.,;"[]{}:nN\n \x00\xff']
 FOLDERS = ("depth", "stray")
 
 
-@st.composite
-def damage(draw):
-    """A function from good to damaged bytes; half of the time near the start."""
-    kind = draw(st.sampled_from(["flip", "cut", "drop", "insert", "repeat"]))
-    near_start = draw(st.booleans())
-    at, other = draw(st.floats(0, 1)), draw(st.floats(0, 1))
-    piece = draw(st.one_of(st.sampled_from(PIECES), st.binary(min_size=1, max_size=4)))
-    count = draw(st.integers(1, 3))
-
-    def apply(good):
-        i = int(at * min(len(good) - 1, 300 if near_start else len(good)))
-        j = min(i + 1 + int(other * 20), len(good))
-        return {
-            "flip": good[:i] + piece * count + good[i + len(piece) * count :],
-            "cut": good[:i],
-            "drop": good[:i] + good[j:],
-            "insert": good[:i] + piece * count + good[i:],
-            "repeat": good[:j] + good[i:],
-        }[kind]
-
-    return apply
-
-
-def check_read(path, format, name):
-    """Read, and make sure that what comes is a scan or one line that names the place."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", PalmsWarning)
-        try:
-            value = read_scan(path, format=format)
-        except PalmsError as error:
-            value = error
-    assert isinstance(value, Scan | PalmsError)
-    if isinstance(value, PalmsError):
-        assert "\n" not in str(value)
-        assert str(path) in str(value), (name, str(value))
+def check_read(path, format):
+    outcome(functools.partial(read_scan, path, format=format), Scan, path)
 
 
 def damaged_copy(folder, name, damages):
@@ -82,29 +48,26 @@ def damaged_copy(folder, name, damages):
         for file in (*small.rglob("*_[1-9]*.json"), *small.rglob("0000[0-2][1-9].png")):
             if int("".join(c for c in file.stem if c.isdigit())) % 6:
                 file.unlink()
-    content = (DATA / name).read_bytes()
-    for apply in damages:
-        content = apply(content)
-    (folder / name).write_bytes(content)
+    (folder / name).write_bytes(damaged((DATA / name).read_bytes(), damages))
     return folder / top
 
 
 @pytest.mark.parametrize("name", FAST)
 @settings(derandomize=True, deadline=None, max_examples=150)
-@given(damages=st.lists(damage(), min_size=1, max_size=3))
+@given(damages=damages)
 def test_damaged_planes(tmp_path_factory, name, damages):
     folder = tmp_path_factory.getbasetemp() / "damaged-planes"
     folder.mkdir(exist_ok=True)
-    check_read(damaged_copy(folder, name, damages), FAST[name], name)
+    check_read(damaged_copy(folder, name, damages), FAST[name])
 
 
 @pytest.mark.parametrize("name", SLOW)
 @settings(derandomize=True, deadline=None, max_examples=15)
-@given(damages=st.lists(damage(), min_size=1, max_size=3))
+@given(damages=damages)
 def test_damaged_points_and_depth(tmp_path_factory, name, damages):
     folder = tmp_path_factory.getbasetemp() / f"damaged-{name.replace('/', '-')}"
     folder.mkdir(exist_ok=True)
-    check_read(damaged_copy(folder, name, damages), SLOW[name], name)
+    check_read(damaged_copy(folder, name, damages), SLOW[name])
 
 
 NAMES = sorted(

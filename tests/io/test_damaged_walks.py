@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import warnings
+import functools
+import json
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as st
 
-from palms.errors import PalmsError, PalmsWarning
+from palms.errors import PalmsError
 from palms.io import RecordedWalk, formats, read_walk
 from palms.io.registry import ODOMETRY
-from tests.io.test_damaged import damage
+from tests.io.damage import damaged, damages, outcome
+from tests.io.sensor_records import pushed, records
 
 DATA = Path(__file__).parent / "data" / "walks"
 FILES = {
@@ -28,42 +29,33 @@ FILES = {
     "sensor-logger-ios.zip": "sensor-logger",
 }
 GOOD = {name: (DATA / name).read_bytes() for name in FILES}
-SLOW = ("android.txt", "sensor-logger-ios.zip")
+FILES["export.json"] = FILES["pushed.jsonl"] = "sensor-logger"
+GOOD["export.json"] = json.dumps(records("ios")).encode()
+GOOD["pushed.jsonl"] = "\n".join(map(json.dumps, pushed("android"))).encode()
+SLOW = ("android.txt", "sensor-logger-ios.zip", "export.json", "pushed.jsonl")
 
 
 def attempt(path: Path, name: str | None) -> None:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", PalmsWarning)
-        try:
-            value = read_walk(path, format=name)
-        except PalmsError as error:
-            value = error
-    text = str(value) if isinstance(value, PalmsError) else str(path)
-    assert "\n" not in text
-    assert str(path) in text
-    assert isinstance(value, RecordedWalk | PalmsError)
+    outcome(functools.partial(read_walk, path, format=name), RecordedWalk, path)
 
 
 def check(folder: Path, name: str, damages) -> None:
-    content = GOOD[name]
-    for apply in damages:
-        content = apply(content)
     path = folder / name
-    path.write_bytes(content)
+    path.write_bytes(damaged(GOOD[name], damages))
     for kind in (None, FILES[name]):
         attempt(path, kind)
 
 
 @pytest.mark.parametrize("name", sorted(set(FILES) - set(SLOW)))
 @settings(derandomize=True, deadline=None, max_examples=80)
-@given(damages=st.lists(damage(), min_size=1, max_size=3))
+@given(damages=damages)
 def test_damaged_copies(tmp_path_factory, name, damages):
     check(tmp_path_factory.getbasetemp(), name, damages)
 
 
 @pytest.mark.parametrize("name", SLOW)
 @settings(derandomize=True, deadline=None, max_examples=25)
-@given(damages=st.lists(damage(), min_size=1, max_size=3))
+@given(damages=damages)
 def test_damaged_copies_of_sensor_logs(tmp_path_factory, name, damages):
     check(tmp_path_factory.getbasetemp(), name, damages)
 

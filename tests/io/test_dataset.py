@@ -2,18 +2,22 @@ from __future__ import annotations
 
 import os
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from palms.errors import FormatError, InputError, OutputError, PalmsWarning
 from palms.floorplan import FloorPlan
-from palms.io.dataset import check_same_session, open_dataset, write_case, write_plan
+from palms.io import read_scan
+from palms.io.dataset import check_same_session, open_dataset
+from palms.io.dataset_output import write_case, write_plan
 from palms.io.label import Label
 from palms.io.walk import RecordedWalk
 from palms.odometry import Odometry
 from palms.scan import Scan
 
+DEPTH = Path(__file__).parent / "data" / "scans" / "depth"
 PLAN = FloorPlan([[[0, 0], [8, 0]], [[8, 0], [8, 5]]], name="E2")
 SCAN = Scan([[[2, -2.5], [2, 0.5]]])
 
@@ -105,6 +109,24 @@ def test_a_walk_without_scan(root, says):
     with pytest.raises(InputError) as caught:
         case.scan()
     says(caught.value, "Session_")
+
+
+def test_sessions_with_depth_alone_are_scans(root):
+    session = root / "trajectories" / "E2" / "w2" / "Session_1"
+    (session / "detectedPlanes.json").unlink()
+    shutil.copytree(DEPTH, session, dirs_exist_ok=True)
+    later = session.with_name("Session_2")
+    shutil.copytree(DEPTH, later)
+    (later / "scan.json").write_text('{"t_s": 3.5, "position_m": [0.25, 0]}')
+    case = open_dataset(root).cases[1]
+    assert [path.name for path in case.scan_paths] == ["Session_1", "Session_2"]
+    first, second = case.scans()
+    np.testing.assert_array_equal(first.walls_m, read_scan(DEPTH).walls_m)
+    np.testing.assert_array_equal(case.scan().walls_m, first.walls_m)
+    assert first.coverage_m is not None
+    assert (first.session, first.time_s, second.session, second.time_s) == ("1", 0, "2", 3.5)
+    assert second.position_m.tolist() == [0.25, 0]
+    assert first.position_m.tolist() != [0.25, 0]
 
 
 def test_scans_without_walk_are_named(root):

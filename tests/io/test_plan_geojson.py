@@ -8,6 +8,7 @@ import pytest
 
 from palms.errors import FormatError, InputError, PalmsWarning
 from palms.floorplan import SegmentClass
+from palms.io import read_building
 from palms.io.plan_geojson import read_plan_geojson
 
 
@@ -103,10 +104,50 @@ def test_levels_are_chosen_and_listed(put, says):
         read_plan_geojson(path, level="7")
 
 
+def test_the_ground_floor_is_a_level_like_others(put):
+    """0 is no missing level: its walls are not on the others."""
+    ground = feature("LineString", [[0, 0], [8, 0]], level=0)
+    above = feature("LineString", [[0, 5], [9, 5]], level=1.0)
+    everywhere = feature("LineString", [[0, 0], [0, 5]])
+    both = feature("LineString", [[8, 0], [8, 5]], level="0;1")
+    path = put("a.geojson", collection(above, ground, everywhere, both))
+    levels = read_building(path)
+    assert [(each.name, each.ordinal, each.plan.level) for each in levels] == [
+        ("0", 0, "0"), ("1", 1, "1"),
+    ]  # fmt: skip
+    for each, own in zip(levels, ([[0, 0], [8, 0]], [[0, 5], [9, 5]]), strict=True):
+        expected = [own, [[0, 0], [0, 5]], [[8, 0], [8, 5]]]
+        assert sorted(each.plan.segments_m.tolist()) == sorted(expected)
+        alone = read_plan_geojson(path, level=each.name)
+        np.testing.assert_array_equal(each.plan.segments_m, alone.segments_m)
+
+
+@pytest.mark.parametrize(
+    ("names", "ordinals"),
+    [
+        (["-1", "0.5", "12"], [-1, 0.5, 12]),
+        (["Ground", "First"], [0, 1]),
+        (["0", "roof"], [0, 1]),
+        (["nan", "1e9"], [0, 1]),
+    ],
+)
+def test_levels_are_in_order_of_their_numbers_else_of_the_file(put, names, ordinals):
+    line = [[30.38, 60.007], [30.3801, 60.007]]
+    listed = [
+        feature("LineString", [[x, y + k * 1e-4] for x, y in line], level=name)
+        for k, name in enumerate(names)
+    ]
+    levels = read_building(put("a.geojson", collection(*listed)))
+    assert [(each.name, each.ordinal) for each in levels] == list(zip(names, ordinals, strict=True))
+    assert len({each.plan.origin for each in levels}) == 1
+    northing = [each.plan.segments_m[0, 0, 1] for each in levels]
+    assert np.diff(northing) == pytest.approx(11.1, abs=0.1)
+
+
 def test_gzip_and_its_bomb(put, says, monkeypatch):
     packed = gzip.compress(json.dumps(HALL).encode())
     assert read_plan_geojson(put("a.geojson.gz", packed)).size_m.tolist() == [8, 5]
-    monkeypatch.setattr("palms.io.plan_geojson.MAX_BYTES", 1_000_000)
+    monkeypatch.setattr("palms.io.packed.MAX_BYTES", 1_000_000)
     bomb = gzip.compress(b" " * 50_000_000)
     with pytest.raises(FormatError) as caught:
         read_plan_geojson(put("bomb.geojson.gz", bomb))

@@ -5,11 +5,12 @@ import json
 import shutil
 import zipfile
 
+import numpy as np
 import pytest
 
-from palms.errors import FormatError, InputError
+from palms.errors import FormatError, InputError, PalmsWarning
 from palms.floorplan import SegmentClass
-from palms.io import FLOORPLANS, choose_format
+from palms.io import FLOORPLANS, choose_format, read_building, read_floorplan
 from palms.io.plan_imdf import read_plan_imdf
 from tests.io.floors import DATA
 
@@ -134,6 +135,66 @@ def test_levels_of_the_same_name_are_told_by_their_building(put_venue):
     with pytest.raises(InputError, match="Annex"):
         read_plan_imdf(folder, level="G")
     assert read_plan_imdf(folder, level="G", building="Musée").name == "Museum"
+
+
+def tower(*levels):
+    """A venue with the same units on several levels, whose ids begin with that of the level."""
+    plain = venue()
+    copies = {"unit": [], "opening": []}
+    for each in levels:
+        for kind, listed in copies.items():
+            for found in plain[kind]:
+                own = found["properties"] | {"level_id": each["id"]}
+                listed.append(found | {"id": f"{each['id']}-{found['id']}", "properties": own})
+    return plain | copies | {"level": list(levels)}
+
+
+def test_all_levels_of_a_venue_lie_in_one_frame_from_the_lowest_up(put_venue):
+    above = level("1", 1, "b")
+    above["geometry"] = area(0, 0, 60, 40)  # the frame's origin is the middle of all levels
+    folder = put_venue(tower(above, level("B", -1, "b"), level("G", 0, "b")))
+    levels = read_building(folder, language="fr")
+    assert [(each.name, each.ordinal) for each in levels] == [
+        ("Niveau B", -1), ("Niveau G", 0), ("Niveau 1", 1),
+    ]  # fmt: skip
+    assert len({each.plan.origin for each in levels}) == 1
+    for each in levels:
+        alone = read_plan_imdf(folder, level=each.name, language="fr")
+        np.testing.assert_array_equal(each.plan.segments_m, alone.segments_m)
+        assert each.plan.level == each.name
+        np.testing.assert_allclose(each.plan.segments_m, levels[0].plan.segments_m, atol=1e-6)
+
+
+def test_levels_of_one_building_of_a_venue(put_venue, says):
+    files = tower(level("G", 0, "b"), level("G", 0, "c"), level("1", 1, "c"))
+    files["building"].append(item("c", None, name={"en": "Annex"}))
+    folder = put_venue(files)
+    assert len(read_building(folder)) == 3
+    annex = read_building(folder, building="Annex")
+    assert [(each.name, each.plan.name) for each in annex] == [
+        ("Level G", "Annex"), ("Level 1", "Annex"),
+    ]  # fmt: skip
+    with pytest.raises(InputError) as caught:
+        read_building(folder, building="Tower")
+    says(caught.value, "building='Tower'", "Annex")
+
+
+def test_a_level_without_walls_is_left_out_with_a_word(put_venue):
+    files = tower(level("G", 0, "b"))
+    roof = level("R", 1, "b")
+    folder = put_venue(files | {"level": [*files["level"], roof]})
+    with pytest.warns(PalmsWarning, match="level Level R is left out"):
+        assert [each.name for each in read_building(folder)] == ["Level G"]
+    with pytest.raises(FormatError):
+        read_building(put_venue(files | {"level": [roof]}))
+
+
+def test_the_level_of_a_file_of_one_level_is_its_building():
+    for name in ("floor.dxf", "floor.imdf.zip", "floor.geojson"):
+        (only,) = read_building(DATA / name)
+        plan = read_floorplan(DATA / name)
+        np.testing.assert_array_equal(only.plan.segments_m, plan.segments_m)
+        assert (only.name, only.plan.level) == (plan.level or "", plan.level)
 
 
 @pytest.mark.parametrize("missing", ["level", "unit"])

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import os
 from pathlib import Path
 
 import numpy as np
 import pytest
+from shapely import Polygon
 
 from palms.errors import InputError
 from palms.floorplan import SegmentClass
-from palms.io import FLOORPLANS, read_any, read_floorplan
+from palms.io import FLOORPLANS, read_any, read_building, read_floorplan
 from tests.io.floors import along, apart_m, length_m
 
 DEFAULT = Path(__file__).parents[3] / "shared" / "data"
@@ -50,6 +52,19 @@ def test_the_levels_of_a_university():
         assert (plan.size_m >= 0.85 * extent).all()
         assert abs(len(plan.of_class(SegmentClass.DOOR)) - level["openings"]) <= 2
         assert length_m(plan.blocking_m) < length_m(known)  # there, shared edges count twice
+
+
+def test_all_levels_of_a_university_lie_in_one_frame():
+    folder = DATA / "imdf_spbstu"
+    listed = json.loads((folder / "levels.json").read_text())
+    levels = read_building(folder, language="en")
+    assert [each.ordinal for each in levels] == sorted(each["ordinal"] for each in listed)
+    assert len({each.plan.origin for each in levels}) == 1
+    for building in {each["building"] for each in listed}:
+        floors = [Polygon(e.plan.outline_m) for e in levels if e.plan.name == building]
+        for below, above in itertools.pairwise(floors):  # above each other, not side by side
+            shared = below.intersection(above).area
+            assert shared > 0.9 * min(below.area, above.area)
 
 
 def mall(floor: str):

@@ -1,4 +1,4 @@
-"""What a scan says about poses: points looked up in fields."""
+"""What a scan says about poses: points looked up in fields of the plan."""
 
 from __future__ import annotations
 
@@ -9,24 +9,70 @@ from numba import njit
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def lookup(position, drift, points, weight, field, frame, out):
-    """Fill out (N,): the weighted sum of a field (R, C) at points (P, 2) seen from each pose.
+def walls(position, drift, points, weight, first, normal, shift, share, unplanned, field, frame,
+          out):  # fmt: skip
+    """Fill out (N,): what walls seen from poses say, in nats, each wall off as a whole.
 
-    A point counts with the cell that it lies in, and not at all off the field. `frame` is
-    x and y of the field's lower left corner and cells per metre.
+    Wall w has the points first[w] to first[w + 1] and lies off by shift[j] along its normal
+    with probability share[j]; with `unplanned` the plan does not have it, which says nothing.
+    `field` (R, C) is what a metre of wall says, 0 off the field; `frame` is x and y of its
+    lower left corner and cells per metre.
     """
     rows, columns = field.shape
+    total = np.empty(shift.shape[0])
     for i in range(position.shape[0]):
         c, s = math.cos(drift[i]) * frame[2], math.sin(drift[i]) * frame[2]
         u0 = (position[i, 0] - frame[0]) * frame[2]
         v0 = (position[i, 1] - frame[1]) * frame[2]
-        total = 0.0
+        out[i] = 0.0
+        for w in range(first.shape[0] - 1):
+            across = c * normal[w, 0] - s * normal[w, 1]
+            along = s * normal[w, 0] + c * normal[w, 1]
+            total[:] = 0.0
+            for k in range(first[w], first[w + 1]):
+                u = u0 + c * points[k, 0] - s * points[k, 1]
+                v = v0 + s * points[k, 0] + c * points[k, 1]
+                for j in range(shift.shape[0]):
+                    column = math.floor(u + shift[j] * across)
+                    row = math.floor(v + shift[j] * along)
+                    if 0 <= column < columns and 0 <= row < rows:
+                        total[j] += weight[k] * field[int(row), int(column)]
+            top = max(total.max(), 0.0)
+            sum_ = unplanned * math.exp(-top)
+            for j in range(shift.shape[0]):
+                sum_ += (1.0 - unplanned) * share[j] * math.exp(total[j] - top)
+            out[i] += top + math.log(sum_)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def empties(position, drift, points, area, wall, metres, n_walls, per_m, missing, frame, out):
+    """Fill out (N,): what the plan's walls in space that is seen empty say, in nats.
+
+    Each of the plan's walls counts by its own metres (R, C: per square metre, and the number
+    of the wall, -1 for none) and says that it does not stand there, unless it is `missing`.
+    """
+    rows, columns = wall.shape
+    seen, touched = np.zeros(n_walls), np.empty(n_walls, np.int64)
+    for i in range(position.shape[0]):
+        c, s = math.cos(drift[i]) * frame[2], math.sin(drift[i]) * frame[2]
+        u0 = (position[i, 0] - frame[0]) * frame[2]
+        v0 = (position[i, 1] - frame[1]) * frame[2]
+        n = 0
         for k in range(points.shape[0]):
             u = math.floor(u0 + c * points[k, 0] - s * points[k, 1])
             v = math.floor(v0 + s * points[k, 0] + c * points[k, 1])
             if 0 <= u < columns and 0 <= v < rows:
-                total += weight[k] * field[int(v), int(u)]
-        out[i] = total
+                w = wall[int(v), int(u)]
+                if w >= 0:
+                    if seen[w] == 0.0:
+                        touched[n] = w
+                        n += 1
+                    seen[w] += area * metres[int(v), int(u)]
+        out[i] = 0.0
+        for j in range(n):
+            w = touched[j]
+            out[i] += math.log(missing + (1.0 - missing) * math.exp(-per_m * seen[w]))
+            seen[w] = 0.0
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -60,6 +60,26 @@ def add_lengths(segments, weights, cell, spread, out):
 
 
 @njit(cache=True, nogil=True)
+def number(segments, cell, out):
+    """Number the cells that segments (N, 4) run through, and their neighbours, by segment.
+
+    Coordinates are relative to the lower left corner of cell (0, 0). The last segment through
+    a cell counts; a neighbour counts only where none runs through.
+    """
+    rows, columns = out.shape
+    for beside in range(1, -1, -1):
+        for i in range(segments.shape[0]):
+            x, y = segments[i, 0] / cell, segments[i, 1] / cell
+            dx, dy = segments[i, 2] / cell - x, segments[i, 3] / cell - y
+            n = int(math.ceil(3.0 * math.sqrt(dx * dx + dy * dy))) + 1
+            for k in range(n + 1):
+                c, r = int(math.floor(x + k * dx / n)), int(math.floor(y + k * dy / n))
+                for rr in range(max(0, r - beside), min(rows, r + beside + 1)):
+                    for cc in range(max(0, c - beside), min(columns, c + beside + 1)):
+                        out[rr, cc] = i
+
+
+@njit(cache=True, nogil=True)
 def fill_triangles(triangles, cell, out):
     """Set to 1 the cells of `out` whose centre lies in any of the triangles (N, 6).
 

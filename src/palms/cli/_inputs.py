@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from palms.errors import SettingsError
+from palms.errors import PalmsWarning, SettingsError
 
 if TYPE_CHECKING:
     from palms.floorplan import FloorPlan
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Case",
-    "Source",
+    "Input",
     "make_settings",
     "read_case",
     "read_plan",
@@ -67,7 +68,7 @@ class Case:
     scan : Scan
     walk : RecordedWalk
     odometry : Odometry
-        The source of the walk that was asked for.
+        Of the walk: by the source that was asked for, or the usual one.
     source : str
         Its name.
     scan_name, walk_name : str
@@ -84,7 +85,7 @@ class Case:
 
 
 @dataclass(frozen=True, slots=True)
-class Source:
+class Input:
     """A file that the user named, the format that it is of, and options for its reader.
 
     Parameters
@@ -107,47 +108,65 @@ class Source:
         return read_any(group, self.path, self.format, self.options or ())
 
 
-def read_plan(source: Source) -> FloorPlan:
+def read_plan(given: Input) -> FloorPlan:
     """Read a floor plan."""
     from palms.io import FLOORPLANS
 
-    plan: FloorPlan = source.read(FLOORPLANS)
+    plan: FloorPlan = given.read(FLOORPLANS)
     return plan
 
 
-def read_scan(source: Source) -> Scan:
+def read_scan(given: Input) -> Scan:
     """Read a scan."""
     from palms.io import SCANS
 
-    scan: Scan = source.read(SCANS)
+    scan: Scan = given.read(SCANS)
     return scan
 
 
-def read_walk(source: Source) -> RecordedWalk:
+def read_walk(given: Input) -> RecordedWalk:
     """Read a recorded walk."""
     from palms.io import ODOMETRY
 
-    walk: RecordedWalk = source.read(ODOMETRY)
+    walk: RecordedWalk = given.read(ODOMETRY)
     return walk
 
 
 def read_case(
-    plan: Source, scan: Source, walk: Source, odometry: Literal["arkit", "ronin"]
+    plan: Input, scan: Input, walk: Input, odometry: Literal["arkit", "ronin"] | None = None
 ) -> Case:
     """Read a plan, a scan and a walk, and make sure that scan and walk belong together.
+
+    Parameters
+    ----------
+    plan, scan, walk : Input
+    odometry : {"arkit", "ronin"}, optional
+        Which of the walk; `RecordedWalk.usual_source` when left out.
 
     Raises
     ------
     InputError
         When one of them is at fault, or scan and walk are of different sessions.
+
+    Warns
+    -----
+    PalmsWarning
+        When none was asked for and the walk has no visual-inertial odometry.
     """
     from palms.io import check_same_session
 
     floor, seen, recorded = read_plan(plan), read_scan(scan), read_walk(walk)
-    moves = recorded.odometry(odometry)
+    source = odometry or recorded.usual_source
+    moves = recorded.odometry(source)
     check_same_session(seen, moves)
+    if odometry is None and source != "arkit":
+        warnings.warn(
+            f"{walk.path}: there is no arkit odometry; it is followed by {source}, all that it has",
+            PalmsWarning,
+            stacklevel=2,
+        )
     names = scan_name(scan.path), walk_name(walk.path)
-    return Case(floor, seen, recorded, moves, odometry, *names)
+    return Case(floor, seen, recorded, moves, source, *names)
 
 
 def scan_name(path: Path) -> str:

@@ -55,11 +55,11 @@ def demo(
 
 
 def _sample() -> Case:
-    from palms.cli._inputs import Source, read_case
+    from palms.cli._inputs import Input, read_case
     from palms.io import open_dataset
     from palms.sample import sample_folder
 
     case = open_dataset(sample_folder()).cases[0]
     paths = case.plan_path, case.scan_paths[0], case.walk_path
-    plan, scan, walk = (Source(path) for path in paths)
-    return read_case(plan, scan, walk, "arkit")
+    plan, scan, walk = (Input(path) for path in paths)
+    return read_case(plan, scan, walk)

@@ -48,13 +48,13 @@ def locate(
     """Tell where one scan may have been taken: places with drift and probability."""
     import palms
     from palms.cli._compiling import announcing
-    from palms.cli._inputs import Source, make_settings, read_plan, read_scan, scan_name
+    from palms.cli._inputs import Input, make_settings, read_plan, read_scan, scan_name
     from palms.io.track_json import locate_document
     from palms.places import find_places
 
     settings = make_settings(method, cell_size)
-    floor = read_plan(Source(plan, plan_format, plan_option))
-    seen = read_scan(Source(scan, scan_format, scan_option))
+    floor = read_plan(Input(plan, plan_format, plan_option))
+    seen = read_scan(Input(scan, scan_format, scan_option))
     check_file(json)
     check_file(png)
     say = speaker(json)

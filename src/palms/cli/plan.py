@@ -28,10 +28,10 @@ def info(
     option: OnePlanOptions = None,
 ) -> None:
     """Tell what a floor plan holds, and what looks wrong with it."""
-    from palms.cli._inputs import Source, read_plan
+    from palms.cli._inputs import Input, read_plan
 
     check_file(json)
-    facts = _facts(read_plan(Source(plan, format, option)))
+    facts = _facts(read_plan(Input(plan, format, option)))
     describe(_words(facts), json)
     write_result(facts, json)
 
@@ -95,9 +95,9 @@ def show(
     option: OnePlanOptions = None,
 ) -> None:
     """Draw a floor plan; into <plan>.png when no file is named."""
-    from palms.cli._inputs import Source, read_plan
+    from palms.cli._inputs import Input, read_plan
 
-    floor = read_plan(Source(plan, format, option))
+    floor = read_plan(Input(plan, format, option))
     plain = re.sub(r"[^-.()\w ]", "_", floor.name)
     target = png or Path(f"{plain}.png")
     if png is None and target.exists() and target.samefile(plan):
@@ -148,11 +148,11 @@ def convert(
 ) -> None:  # fmt: skip
     """Write a floor plan in another format, repaired where that is asked for."""
     from palms import repair
-    from palms.cli._inputs import Source, read_plan
+    from palms.cli._inputs import Input, read_plan
     from palms.io import write_floorplan
 
     box = None if crop is None else _box(crop)
-    floor = read_plan(Source(plan, format, option))
+    floor = read_plan(Input(plan, format, option))
     check_file(target)
     told = []
     if box is not None:

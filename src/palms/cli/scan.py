@@ -35,10 +35,10 @@ def info(
     option: OneScanOptions = None,
 ) -> None:
     """Tell what a scan holds: walls, their range, the session, what is seen to be empty."""
-    from palms.cli._inputs import Source, read_scan, scan_name
+    from palms.cli._inputs import Input, read_scan, scan_name
 
     check_file(json)
-    read = read_scan(Source(scan, format, option))
+    read = read_scan(Input(scan, format, option))
     facts = {"schema": "palms-scan/1", "scan": scan_name(scan), **_facts(read)}
     describe(_words(facts), json)
     write_result(facts, json)
@@ -49,9 +49,9 @@ def show(
     scan: ScanPath, png: Png = None, format: OneScanFormat = None, option: OneScanOptions = None
 ) -> None:
     """Draw a scan with its empty space; into <scan>.png when no file is named."""
-    from palms.cli._inputs import Source, read_scan, scan_name
+    from palms.cli._inputs import Input, read_scan, scan_name
 
-    seen = read_scan(Source(scan, format, option))
+    seen = read_scan(Input(scan, format, option))
     target = png or Path(f"{scan_name(scan)}.png")
     check_file(target)
     _draw(target, seen)
@@ -63,11 +63,11 @@ def convert(
     scan: ScanPath, out: OutPath, format: OneScanFormat = None, option: OneScanOptions = None
 ) -> None:
     """Write a scan as planes, as the PALMS data set has them."""
-    from palms.cli._inputs import Source, read_scan
+    from palms.cli._inputs import Input, read_scan
     from palms.io import write_scan_json
 
     _check_out(out)
-    seen = read_scan(Source(scan, format, option))
+    seen = read_scan(Input(scan, format, option))
     write_scan_json(seen, out)
     typer.echo(f"Scan: {out}")
 

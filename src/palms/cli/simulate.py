@@ -15,7 +15,7 @@ from palms.cli._options import Json, PlanFormat, PlanOptions
 from palms.cli._outputs import check_file, check_folder, is_stdout, progress, speaker, write_result
 
 if TYPE_CHECKING:
-    from palms.cli._inputs import Source
+    from palms.cli._inputs import Input
     from palms.evaluation.simulation import CaseSettings
 
 __all__ = ["EXAMPLE", "simulate"]
@@ -124,7 +124,7 @@ def simulate(
     What methods are given has gone stale: walls moved, doors undrawn, the scale off. The
     noise of each case is drawn anew and kept in its nuisances.json.
     """
-    from palms.cli._inputs import Source
+    from palms.cli._inputs import Input
     from palms.evaluation.simulation import CaseSettings
 
     _check_usage(plan, building, buildings, (starts, levels))
@@ -138,7 +138,7 @@ def simulate(
     _check_new(out)
     say = speaker(json)
     per_site = [starts // buildings + (k < starts % buildings) for k in range(buildings)]
-    drawn = str(building) if plan is None else Source(plan, plan_format, plan_option)
+    drawn = str(building) if plan is None else Input(plan, plan_format, plan_option)
     tasks = [
         _Task(drawn, seed + k, levels, (count, walks), settings, double, pictures)
         for k, count in enumerate(per_site)
@@ -187,7 +187,7 @@ def _check_new(out: Path) -> None:
 class _Task:
     """A building, and what to simulate in it: `count` starts, and walks from each."""
 
-    source: Source | str
+    source: Input | str
     seed: int
     levels: int
     count: tuple[int, int]
@@ -218,7 +218,7 @@ def _all_written(out: Path, task: _Task) -> list[dict[str, Any]]:
 
 def _written(out: Path, task: _Task) -> Iterator[dict[str, Any]]:
     """Build one building, write its cases, and yield what there is to say of each."""
-    from palms.cli._inputs import Source, read_plan
+    from palms.cli._inputs import Input, read_plan
     from palms.evaluation.simulation import (
         Building,
         Count,
@@ -229,7 +229,7 @@ def _written(out: Path, task: _Task) -> Iterator[dict[str, Any]]:
         write_simulated,
     )
 
-    if isinstance(task.source, Source):
+    if isinstance(task.source, Input):
         building = Building((read_plan(task.source),))
     else:
         building = generate_levels(task.source, task.seed, task.levels)
@@ -237,7 +237,7 @@ def _written(out: Path, task: _Task) -> Iterator[dict[str, Any]]:
     site = make_site(building, task.seed, ranges)
     for k, case in enumerate(simulate_site(site, Count(*task.count), task.settings, ranges)):
         folder = write_simulated(out, site, case, task.pictures)
-        walk = case.recorded.odometry(case.recorded.sources[0])
+        walk = case.recorded.odometry(case.recorded.usual_source)
         yield {
             "order": (task.seed, k),
             "scene": site.name,

@@ -56,8 +56,13 @@ def track(
     *,
     method: Method = "palms",
     walk_source: Annotated[
-        Source, typer.Option("--walk-source", help="Which odometry of the walk.")
-    ] = Source.ARKIT,
+        Source | None,
+        typer.Option(
+            "--walk-source",
+            show_default=False,
+            help="Which odometry of the walk; when left out arkit, else the one that it has.",
+        ),
+    ] = None,
     particles: Annotated[
         int | None,
         typer.Option(
@@ -87,10 +92,10 @@ def track(
 
     settings = inputs.make_settings(method, cell_size, particles)
     case = inputs.read_case(
-        inputs.Source(plan, plan_format, plan_option),
-        inputs.Source(scan, scan_format, scan_option),
-        inputs.Source(walk, walk_format, walk_option),
-        walk_source.value,
+        inputs.Input(plan, plan_format, plan_option),
+        inputs.Input(scan, scan_format, scan_option),
+        inputs.Input(walk, walk_format, walk_option),
+        walk_source.value if walk_source else None,
     )
     check_file(json)
     check_folder(out)

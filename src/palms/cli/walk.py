@@ -10,7 +10,6 @@ import typer
 
 from palms.cli._options import Json, OneWalkFormat, OneWalkOptions, Png, Source, WalkPath
 from palms.cli._outputs import check_file, describe, write_result
-from palms.errors import OutputError
 
 if TYPE_CHECKING:
     from palms.io import RecordedWalk
@@ -41,13 +40,12 @@ def info(
     option: OneWalkOptions = None,
 ) -> None:
     """Tell what a recorded walk holds: samples, length, odometry, references."""
-    from palms.cli._inputs import Source as File
-    from palms.cli._inputs import read_walk, walk_name
+    from palms.cli._inputs import Input, read_walk, walk_name
     from palms.io import ODOMETRY, choose_format
 
     check_file(json)
-    recorded = read_walk(File(walk, format, option))
     kind = choose_format(ODOMETRY, walk, format).name
+    recorded = read_walk(Input(walk, kind, option))
     facts = {"schema": "palms-walk/1", "walk": walk_name(walk), "format": kind, **_facts(recorded)}
     describe(
         [
@@ -94,11 +92,10 @@ def show(
     option: OneWalkOptions = None,
 ) -> None:
     """Draw a walk with its reference; into <walk>.png when no file is named."""
-    from palms.cli._inputs import Source as File
-    from palms.cli._inputs import read_walk, walk_name
+    from palms.cli._inputs import Input, read_walk, walk_name
 
-    recorded = read_walk(File(walk, format, option))
-    odometry = recorded.odometry(walk_source.value if walk_source else recorded.sources[0])
+    recorded = read_walk(Input(walk, format, option))
+    odometry = recorded.odometry(walk_source.value if walk_source else recorded.usual_source)
     target = png or Path(f"{walk_name(walk)}.png")
     check_file(target)
     from palms.plot import walk_figure, write_figure
@@ -122,10 +119,9 @@ def convert(
     option: OneWalkOptions = None,
 ) -> None:
     """Write a walk as a TUM trajectory or as a walk of the PALMS data set, by OUT's ending."""
-    from palms.cli._inputs import Source as File
-    from palms.cli._inputs import read_walk
+    from palms.cli._inputs import Input, read_walk
 
-    recorded = read_walk(File(walk, format, option))
+    recorded = read_walk(Input(walk, format, option))
     check_file(out)
     if walk_source is not None:
         recorded.odometry(walk_source.value)
@@ -143,13 +139,9 @@ def _write(walk: RecordedWalk, out: Path) -> None:
     OutputError
         When none has it.
     """
-    from palms.io import ODOMETRY, formats
+    from palms.io import ODOMETRY, choose_writer
 
-    writers = [each for each in formats(ODOMETRY) if getattr(each, "write", None) is not None]
-    chosen = next((w for w in writers if out.name.lower().endswith(tuple(w.suffixes))), None)
-    if chosen is None:
-        endings = ", ".join(f"{' '.join(w.suffixes)} ({w.name})" for w in writers)
-        raise OutputError(str(out), expected=f"a name that ends in {endings}", got=repr(out.suffix))
+    chosen = choose_writer(ODOMETRY, out)
     chosen.write(_from_origin(walk) if chosen.name == "tracking" else walk, out)
 
 

@@ -49,15 +49,17 @@ def oracle_settings(noise: VioNoise, n_particles: int = ORACLE_PARTICLES) -> Set
         scale_sd=noise.scale_sd,
     )
     more = n_particles / best.start.n_particles
-    start = replace(
-        best.start, n_particles=n_particles, n_proposals=round(more * best.start.n_proposals)
-    )
+    start = replace(best.start, n_particles=n_particles)
+    observation = replace(best.observation, n_proposals=round(more * best.observation.n_proposals))
     resampling = replace(
         best.resampling,
         min_particles=round(more * best.resampling.min_particles),
         per_bin=more * best.resampling.per_bin,
     )
-    return replace(best, method=ORACLE, motion=motion, start=start, resampling=resampling)
+    return replace(
+        best, method=ORACLE, motion=motion, start=start, observation=observation,
+        resampling=resampling,
+    )  # fmt: skip
 
 
 def shared_settings(n_particles: int = ORACLE_PARTICLES) -> dict[str, Any]:

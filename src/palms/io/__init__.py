@@ -20,26 +20,30 @@ from palms.io.dataset import (
     Dataset,
     check_same_session,
     open_dataset,
-    write_case,
-    write_plan,
 )
+from palms.io.dataset_output import write_case, write_plan
 from palms.io.events import Event, read_events, write_events
 from palms.io.files import read_json, read_text, write_json, write_text
 from palms.io.label import Label, read_label, write_label
+from palms.io.levels import LevelPlan
 from palms.io.plan_csv import read_plan_csv, write_plan_csv
 from palms.io.planes import read_scan_json, write_scan_json
+from palms.io.reading import (
+    read_any,
+    read_building,
+    read_floorplan,
+    read_scan,
+    read_walk,
+    write_floorplan,
+)
 from palms.io.registry import (
     FLOORPLANS,
     ODOMETRY,
     SCANS,
     Format,
     choose_format,
+    choose_writer,
     formats,
-    read_any,
-    read_floorplan,
-    read_scan,
-    read_walk,
-    write_floorplan,
 )
 from palms.io.tracking import read_tracking, write_tracking
 from palms.io.truth import Truth, read_truth, write_truth
@@ -55,14 +59,17 @@ __all__ = [
     "Event",
     "Format",
     "Label",
+    "LevelPlan",
     "RecordedWalk",
     "Truth",
     "WalkSource",
     "check_same_session",
     "choose_format",
+    "choose_writer",
     "formats",
     "open_dataset",
     "read_any",
+    "read_building",
     "read_events",
     "read_floorplan",
     "read_json",

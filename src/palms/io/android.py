@@ -19,7 +19,7 @@ from palms.errors import FormatError
 from palms.geometry import FloatArray
 from palms.io.files import sniff
 from palms.io.packed import read_lines, text_head
-from palms.io.reckoned import Gathered, ReckoningOptions, reckon, report_damage
+from palms.io.reckoned import Gathered, ReckoningOptions, at_times, reckon, report_damage
 from palms.io.registry import Format
 from palms.io.values import StrPath
 from palms.io.walk import RecordedWalk
@@ -84,7 +84,7 @@ def read_android(
     --------
     >>> read_android("no/such/log.txt")
     Traceback (most recent call last):
-    palms.errors.InputError: no/such/log.txt: expected a file that can be read, got nothing ...
+    palms.errors.InputError: no/such/log.txt: expected a file, got nothing there; check the ...
     """
     options = ReckoningOptions(length, heading, step_m, leg_m)
     options.settings()
@@ -148,9 +148,7 @@ def _sensors(log: dict[str, Gathered]) -> dict[str, tuple[FloatArray, FloatArray
     gravity = log["TYPE_GRAVITY"].readings()
     if not len(felt[0]) and len(gravity[0]) > 1:
         time, moved = log["TYPE_LINEAR_ACCELERATION"].readings()
-        order = np.argsort(gravity[0], kind="stable")
-        down = [np.interp(time, gravity[0][order], gravity[1][order, k]) for k in range(3)]
-        felt = time, moved + np.column_stack(down)
+        felt = time, moved + at_times(gravity, time)
     rate = first("TYPE_GYROSCOPE", "TYPE_GYROSCOPE_UNCALIBRATED")
     time, vector = first("TYPE_ROTATION_VECTOR", "TYPE_GAME_ROTATION_VECTOR")
     rest = np.sqrt(np.clip(1 - (vector**2).sum(axis=1), 0, 1))

@@ -8,10 +8,10 @@ import numpy as np
 
 from palms.errors import FormatError
 from palms.geometry import FloatArray
-from palms.io.plane_geometry import read_vector, word_of
+from palms.io.plane_geometry import read_vector, rectangle, word_of
 from palms.io.plane_json import Plane, has_keys, read_planes
 from palms.io.registry import Format
-from palms.io.values import StrPath, brief, check_array, check_number
+from palms.io.values import StrPath, check_array, check_number
 from palms.scan import Scan
 
 __all__ = ["FORMAT", "read_arcore_planes"]
@@ -77,10 +77,7 @@ def _corners(plane: Plane, what: str) -> FloatArray:
     width, height = (
         check_number(plane.get(key), f"{what}, {key}") for key in ("extentX", "extentZ")
     )
-    if width < 0 or height < 0:
-        raise FormatError(f"{what}, extentX", expected="0 m or more", got=brief([width, height]))
-    x, z = width / 2, height / 2
-    return np.array([[x, 0.0, z], [x, 0.0, -z], [-x, 0.0, -z], [-x, 0.0, z]])
+    return rectangle((width, height), 0.0, f"{what}, extentX")
 
 
 def _recognizes(path: Path) -> bool:

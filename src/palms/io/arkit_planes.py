@@ -9,10 +9,10 @@ import numpy as np
 
 from palms.errors import FormatError
 from palms.geometry import FloatArray
-from palms.io.plane_geometry import read_vector, word_of
+from palms.io.plane_geometry import read_polygon, read_vector, rectangle, word_of
 from palms.io.plane_json import Plane, has_keys, read_planes
 from palms.io.registry import Format
-from palms.io.values import StrPath, brief, check_array
+from palms.io.values import StrPath
 from palms.scan import Scan
 
 __all__ = ["FORMAT", "read_arkit_planes"]
@@ -74,14 +74,10 @@ def _corners(plane: Plane, what: str) -> FloatArray:
     if extent is None:
         geometry = plane.get("geometry")
         outline = geometry if isinstance(geometry, dict) else plane
-        return _outline(outline.get("boundaryVertices"), f"{what}, extent")
+        vertices = outline.get("boundaryVertices")
+        return read_polygon(vertices, f"{what}, extent", "planeExtent or extent")
     width, height, turn = _extent(extent, f"{what}, extent")
-    c, s = np.cos(turn), np.sin(turn)
-    half = 0.5 * np.array([[width, height], [width, -height], [-width, -height], [-width, height]])
-    return np.asarray(
-        middle + np.column_stack([c * half[:, 0] + s * half[:, 1], np.zeros(4),
-                                  c * half[:, 1] - s * half[:, 0]])
-    )  # fmt: skip
+    return np.asarray(middle + rectangle((width, height), turn, f"{what}, extent"))
 
 
 def _extent(extent: Any, what: str) -> tuple[float, float, float]:  # noqa: ANN401
@@ -95,16 +91,7 @@ def _extent(extent: Any, what: str) -> tuple[float, float, float]:  # noqa: ANN4
     else:
         width, _, height = read_vector(extent, what)
         turn = 0.0
-    if width < 0 or height < 0:
-        raise FormatError(what, expected="0 m or more", got=brief([float(width), float(height)]))
     return float(width), float(height), float(turn)
-
-
-def _outline(vertices: object, what: str) -> FloatArray:
-    if not isinstance(vertices, list) or len(vertices) < 2:
-        raise FormatError(what, expected="planeExtent or extent", got=brief(vertices))
-    listed = [read_vector(vertex, what).tolist() for vertex in vertices]
-    return check_array(listed, what, (None, 3))
 
 
 def _recognizes(path: Path) -> bool:

@@ -5,34 +5,32 @@
     maps/<scene>.csv
     trajectories/<scene>/<walk>/<walk>.json, truth.csv
     trajectories/<scene>/<walk>/Session_<id>/detectedPlanes.json, label.txt, scan.json
+    trajectories/<scene>/<walk>/Session_<id>/depths, poses, intrinsics
 
-Names are looked up when the data set is opened; plans, scans and walks are read when they
-are asked for. Unknown files are left alone.
+A session has planes, depth images or both. Names are looked up when the data set is opened;
+plans, scans and walks are read when they are asked for. Unknown files are left alone.
 """
 
 from __future__ import annotations
 
-import os
-import secrets
-import shutil
 import warnings
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from palms.errors import InputError, OutputError, PalmsWarning
+from palms.errors import InputError, PalmsWarning
 from palms.floorplan import FloorPlan
-from palms.io.files import make_folder
-from palms.io.label import Label, read_label, write_label
-from palms.io.plan_csv import plan_name, read_plan_csv, write_plan_csv
-from palms.io.planes import PLANES_FILE, read_scan_json, scan_time_s, write_scan_json
-from palms.io.tracking import read_tracking, walk_file, write_tracking
+from palms.io.depth_folder import FORMAT as DEPTH
+from palms.io.depth_folder import read_depth_folder
+from palms.io.label import Label, read_label
+from palms.io.plan_csv import plan_name, read_plan_csv
+from palms.io.planes import PLANES_FILE, read_scan_json, scan_time_s
+from palms.io.tracking import read_tracking, walk_file
 from palms.io.values import StrPath
 from palms.io.walk import RecordedWalk
 from palms.odometry import Odometry
 from palms.scan import Scan
 
-__all__ = ["Case", "Dataset", "check_same_session", "open_dataset", "write_case", "write_plan"]
+__all__ = ["Case", "Dataset", "check_same_session", "open_dataset"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +83,7 @@ class Case:
 
     def scans(self) -> tuple[Scan, ...]:
         """Read all scans, in order of time."""
-        return tuple(read_scan_json(path) for path in self.scan_paths)
+        return tuple(_read_session(path) for path in self.scan_paths)
 
     def scan(self) -> Scan:
         """Read the first scan.
@@ -98,11 +96,11 @@ class Case:
         if not self.scan_paths:
             raise InputError(
                 str(self.folder),
-                expected=f"a folder Session_<id> with {PLANES_FILE}",
+                expected=f"a folder Session_<id> with {PLANES_FILE} or depths",
                 got="none",
                 fix="add the walk's scan",
             )
-        return read_scan_json(self.scan_paths[0])
+        return _read_session(self.scan_paths[0])
 
     def label(self, scan: int = 0) -> Label | None:
         """Read the label of a scan; None when it has none."""
@@ -226,11 +224,18 @@ def _scans_of(folder: Path) -> tuple[Path, ...]:
     found = [
         entry
         for entry in _visible(folder)
-        if entry.name.startswith("Session_") and (entry / PLANES_FILE).is_file()
+        if entry.name.startswith("Session_")
+        and ((entry / PLANES_FILE).is_file() or DEPTH.recognizes(entry))
     ]
     if len(found) > 1:
         found.sort(key=lambda entry: (scan_time_s(entry), entry.name))
     return tuple(found)
+
+
+def _read_session(folder: Path) -> Scan:
+    """Read the scan of a session: its planes, else what its depth images show."""
+    has_planes = (folder / PLANES_FILE).is_file()
+    return read_scan_json(folder) if has_planes else read_depth_folder(folder)
 
 
 def check_same_session(scan: Scan, walk: Odometry | RecordedWalk) -> None:
@@ -269,126 +274,3 @@ def check_same_session(scan: Scan, walk: Odometry | RecordedWalk) -> None:
             got=f"the scan of {own} and the walk of {', '.join(names)}",
             fix="take the scan that was made at the start of this walk",
         )
-
-
-def _checked_name(name: str, what: str) -> str:
-    if not name or name.startswith(".") or any(c in name for c in "/\\\x00"):
-        raise InputError(what, expected="a name that a file can have", got=repr(name))
-    return name
-
-
-def write_plan(folder: StrPath, plan: FloorPlan) -> Path:
-    """Write a plan into a data set, as ``maps/<plan.name>.csv``; return its path.
-
-    Parameters
-    ----------
-    folder : path
-        The data set; created when it is not there.
-    plan : FloorPlan
-        The plan; its name becomes the scene's.
-
-    Raises
-    ------
-    InputError
-        When its name cannot be a file's.
-    OutputError
-        When it cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_plan(folder, FloorPlan([[[0, 0], [8, 0]]], name="E2")).name
-    'E2.csv'
-    """
-    name = _checked_name(plan.name, "name of the plan")
-    path = make_folder(Path(folder) / "maps") / f"{name}.csv"
-    write_plan_csv(plan, path)
-    return path
-
-
-def write_case(
-    folder: StrPath,
-    scene: str,
-    name: str,
-    walk: RecordedWalk,
-    scans: Sequence[Scan],
-    labels: Sequence[Label | None] = (),
-) -> Path:
-    """Write a walk with its scans and labels into a data set, whole or not at all.
-
-    Parameters
-    ----------
-    folder : path
-        The data set; created when it is not there.
-    scene, name : str
-        Name of the scene (that of its plan) and of the walk.
-    walk : RecordedWalk
-        The walk.
-    scans : sequence of Scan
-        Its scans, in order of time.
-    labels : sequence of Label or None
-        Their labels; may be shorter.
-
-    Returns
-    -------
-    Path
-        The folder ``trajectories/<scene>/<name>``.
-
-    Raises
-    ------
-    InputError
-        When a name cannot be a folder's.
-    OutputError
-        When it cannot be written, or that folder already holds something.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> plan = FloorPlan([[[0, 0], [8, 0]]], name="E2")
-    >>> walk = RecordedWalk(arkit=Odometry([0.5, 1.0], [[0.6, 0.0], [1.2, 0.0]]))
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     _ = write_plan(folder, plan)
-    ...     scans, labels = [Scan([[[2, -2], [2, 2]]])], [Label((1, 1), 0)]
-    ...     _ = write_case(folder, "E2", "w1", walk, scans, labels)
-    ...     open_dataset(folder).cases[0].label().position_m.tolist()
-    [1.0, 1.0]
-    """
-    parent = Path(folder) / "trajectories" / _checked_name(scene, "name of the scene")
-    target = make_folder(parent) / _checked_name(name, "name of the walk")
-    if target.exists() and (not target.is_dir() or any(target.iterdir())):
-        raise OutputError(
-            str(target), expected="a new folder", got="one with files in it",
-            fix="remove it or choose another",
-        )  # fmt: skip
-    part = make_folder(parent / f".{secrets.token_hex(6)}.part")
-    try:
-        write_tracking(walk, part / f"{name}.json")
-        for session, scan, label in _sessions(walk, scans, labels):
-            write_scan_json(scan, make_folder(part / session))
-            if label is not None:
-                write_label(label, part / session / "label.txt")
-        os.replace(part, target)
-    except OutputError:
-        raise
-    except OSError as error:
-        raise OutputError(str(target), got=str(error.strerror)) from None
-    finally:
-        shutil.rmtree(part, ignore_errors=True)
-    return target
-
-
-def _sessions(
-    walk: RecordedWalk, scans: Sequence[Scan], labels: Sequence[Label | None]
-) -> list[tuple[str, Scan, Label | None]]:
-    """Folder of each scan; several of one session get a number, scan.json names it."""
-    padded = [*labels, *[None] * (len(scans) - len(labels))]
-    named: list[tuple[str, Scan, Label | None]] = []
-    used: set[str] = set()
-    for index, (scan, label) in enumerate(zip(scans, padded, strict=False), start=1):
-        own = scan.session or next(iter(walk.session), str(index))
-        base = f"Session_{_checked_name(own.removeprefix('Session_'), 'session of the scan')}"
-        folder = base if base not in used else f"{base}_scan{index}"
-        used.add(folder)
-        named.append((folder, scan, label))
-    return named

@@ -2,32 +2,36 @@
 
 from __future__ import annotations
 
-import math
 import os
-import warnings
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
-from palms.errors import FormatError, InputError, PalmsWarning
-from palms.extraction import DepthFrame, ExtractionSettings, free_ranges, scan_from_depth
+from palms.errors import FormatError, InputError
+from palms.extraction import DepthFrame, ExtractionSettings, free_ranges
 from palms.extraction.depth import step_of
 from palms.geometry import FloatArray
+from palms.io.depth_images import (
+    MAX_FRAMES,
+    DepthOptions,
+    depth_scan,
+    evenly,
+    pixel_size,
+    report_left_out,
+)
 from palms.io.files import read_json
 from palms.io.plane_geometry import read_matrices
-from palms.io.planes import session_of
-from palms.io.point_clouds import parse_metres, parse_position
+from palms.io.planes import PLANES_FILE, read_sidecar
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief, check_array, locating
 from palms.scan import Scan
 
-__all__ = ["FORMAT", "evenly", "pixel_size", "read_coverage", "read_depth_folder", "read_frames"]
+__all__ = ["FORMAT", "read_coverage", "read_depth_folder", "read_frames"]
 
 GROUND = np.array([[0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # (-z, -x) and y up
-MAX_FRAMES = 150  # ours: of more, every so manieth is read
 _COVERAGE_FRAMES = 60  # ours: a turn in steps of 6 degrees, read in about a second
 _FRAME_BYTES = 20_000_000  # ours: ten times the largest depth image we know as JSON
-_IMAGES = ((1920, 1440), (1280, 960), (640, 480), (3840, 2880), (1920, 1080), (1280, 720))
 
 
 def read_depth_folder(
@@ -42,10 +46,11 @@ def read_depth_folder(
     Parameters
     ----------
     path : path
-        The folder with ``depths``, ``poses`` and ``intrinsics``.
+        The folder with ``depths``, ``poses`` and ``intrinsics``, and perhaps ``scan.json``
+        that says when and where the scan was taken.
     position : (x, y) or str, optional
-        The observation point on the ground; the origin when left out, or a place of the
-        camera when that is far off.
+        The observation point on the ground; when left out that of ``scan.json``, else the
+        origin, or a place of the camera when that is far off.
     floor : float, optional
         Height of the floor; found when left out.
     settings : ExtractionSettings, optional
@@ -56,12 +61,10 @@ def read_depth_folder(
     InputError
         When an image cannot be read, or they show no wall.
     """
-    frames = read_frames(path)
-    with locating(path):
-        scan = scan_from_depth(
-            frames, parse_position(position), floor_m=parse_metres(floor, "floor")
-        )
-        return Scan(scan.walls_m, scan.position_m, scan.coverage_m, session=session_of(path))
+    stated = read_sidecar(Path(path) / PLANES_FILE)
+    here = stated.pop("position_m", None) if position is None else position
+    scan = depth_scan(read_frames(path), path, DepthOptions(here, floor, settings))
+    return replace(scan, **{key: stated[key] for key in ("time_s", "session") if key in stated})
 
 
 def read_coverage(path: StrPath, position_m: FloatArray) -> FloatArray:
@@ -89,18 +92,6 @@ def read_coverage(path: StrPath, position_m: FloatArray) -> FloatArray:
         return free_ranges(frames, position_m, step=step_of(frames))
 
 
-def evenly(count: int, most: int = MAX_FRAMES) -> list[int]:
-    """Return the indices of at most so many of a sequence, spread evenly.
-
-    Examples
-    --------
-    >>> evenly(3), evenly(10, 4)
-    ([0, 1, 2], [0, 3, 6, 9])
-    """
-    step = max(1, math.ceil(count / most))
-    return list(range(0, count, step))
-
-
 def read_frames(path: StrPath, most: int = MAX_FRAMES) -> list[DepthFrame]:
     """Read the depth images of a folder, at most so many, spread evenly.
 
@@ -117,13 +108,7 @@ def read_frames(path: StrPath, most: int = MAX_FRAMES) -> list[DepthFrame]:
             got=f"{len(found)} depths, {len(poses)} poses, {len(lenses)} intrinsics, none matching",
             fix="name the folder that holds depths, poses and intrinsics",
         )  # fmt: skip
-    if len(names) < len(found):
-        warnings.warn(
-            f"{path}: {len(found) - len(names)} of {len(found)} depth images have no pose or "
-            "no intrinsics and are left out",
-            PalmsWarning,
-            stacklevel=3,
-        )
+    report_left_out(len(found), len(names), "no pose or no intrinsics", path)
     chosen = [names[i] for i in evenly(len(names), most)]
     places = [str(poses[name]) for name in chosen]
     matrices = read_matrices([_data(poses[name], "a pose") for name in chosen], places)
@@ -171,45 +156,6 @@ def _depth(path: Path) -> FloatArray:
             str(path), expected="a depth image in metres", got=f"shape {depth.shape}, or below 0"
         )
     return depth
-
-
-def pixel_size(lens: FloatArray, shape: tuple[int, ...]) -> tuple[FloatArray, FloatArray]:
-    """Focal lengths and principal point (2,), (2,) for a depth image.
-
-    Parameters
-    ----------
-    lens : ndarray (3, 3)
-        Intrinsics of the colour image, by rows or by columns, whose principal point tells
-        how large that is.
-    shape : (h, w)
-        Of the depth image.
-
-    Examples
-    --------
-    >>> lens = np.array([[1440.0, 0, 960], [0, 1440, 720], [0, 0, 1]])
-    >>> focal, centre = pixel_size(lens, (192, 256))
-    >>> focal.tolist(), centre.round(2).tolist()
-    ([192.0, 192.0], [127.57, 95.57])
-    """
-    if abs(lens[2, 0]) > 1 and abs(lens[0, 2]) <= 1:
-        lens = lens.T
-    focal, centre = lens[[0, 1], [0, 1]], lens[:2, 2]
-    height, width = shape
-    if (focal <= 0).any() or (centre <= 0).any() or abs(lens[2, 2] - 1) > 0.01:
-        raise InputError(
-            "camera intrinsics", expected="rows [fx 0 cx], [0 fy cy], [0 0 1] in pixels",
-            got=brief(lens.tolist(), 60),
-        )  # fmt: skip
-    sizes = np.array([(width, height), *_IMAGES], float)
-    off = np.abs(np.log(2 * centre / sizes)).sum(axis=1)
-    image = sizes[off.argmin()]
-    if off.min() > 0.3:
-        raise InputError(
-            "camera intrinsics", expected="a principal point in the middle of a known image",
-            got=f"{centre.tolist()}",
-        )  # fmt: skip
-    scale = np.array([width, height]) / image
-    return np.asarray(focal * scale), np.asarray((centre + 0.5) * scale - 0.5)
 
 
 def _on_ground(pose: FloatArray) -> FloatArray:

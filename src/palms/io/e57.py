@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from palms.errors import FormatError, InputError
+from palms.errors import InputError
 from palms.extraction.settings import ExtractionSettings
 from palms.geometry import FloatArray
 from palms.io.files import head
-from palms.io.point_clouds import CloudOptions, cloud_scan, parse_position, thinning
+from palms.io.point_clouds import CloudOptions, Thinned, cloud_file, cloud_scan, parse_position
 from palms.io.registry import Format
-from palms.io.values import StrPath, brief
+from palms.io.values import StrPath
 from palms.scan import Scan
 
 __all__ = ["FORMAT", "read_e57"]
@@ -35,15 +35,9 @@ def read_e57(
     ----------
     path : path
         The file.
-    up : str
-        Which axis points up: z, unless an app wrote it otherwise.
-    position : (x, y) or str, optional
-        The observation point, (x, y) of the file; of a file with one scan, the place of
-        the scanner when left out.
-    floor : float, optional
-        Height of the floor; found when left out.
-    settings : ExtractionSettings, optional
-        What counts as a wall.
+    up, position, floor, settings
+        As in `palms.io.point_clouds.CloudOptions`; when `position` is left out and the file has
+        one scan, the place of its scanner.
 
     Raises
     ------
@@ -52,16 +46,9 @@ def read_e57(
     """
     import pye57
 
-    if Path(path).is_dir():
-        raise InputError(str(path), expected="an E57 file", got="a folder", fix="name the file")
     here = parse_position(position)
-    try:
+    with cloud_file(path, "an E57 file"):
         points, scanner = _points(pye57.E57(str(path)), path)
-    except (InputError, MemoryError):
-        raise
-    except Exception as error:  # the library raises many kinds
-        got = brief(str(error), 80)
-        raise FormatError(str(path), expected="an E57 file", got=got) from None
     if here is None and scanner is not None and up == "z":
         here = scanner[:2]
     return cloud_scan(points, path, CloudOptions(up, here, floor, settings))
@@ -78,13 +65,13 @@ def _points(file: Any, path: StrPath) -> tuple[FloatArray, FloatArray | None]:  
                 str(path), expected=f"at most {_MOST_POINTS} points a scan, as the file has room",
                 got=f"{count}", fix="thin the cloud first",
             )  # fmt: skip
-    step, parts = thinning(sum(counts)), [np.empty((0, 3))]
-    for index in range(len(counts)):
+    points = Thinned(sum(counts))
+    for index, count in enumerate(counts):
         scan = file.read_scan(index, ignore_missing_fields=True)
-        axes = [np.asarray(scan[f"cartesian{axis}"])[::step] for axis in "XYZ"]
-        parts.append(np.stack(axes, axis=1).astype(np.float64))
+        axes = [points.of(np.asarray(scan[f"cartesian{axis}"])) for axis in "XYZ"]
+        points.add(np.stack(axes, axis=1), count)
     single = len(headers) == 1 and headers[0].has_pose()
-    return np.concatenate(parts), np.asarray(headers[0].translation) if single else None
+    return points.stacked(), np.asarray(headers[0].translation) if single else None
 
 
 def _recognizes(path: Path) -> bool:

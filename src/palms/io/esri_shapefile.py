@@ -11,7 +11,7 @@ import numpy as np
 
 from palms.errors import FormatError
 from palms.geometry import FloatArray
-from palms.io.plan_geojson import Feature
+from palms.io.geojson import Feature
 from palms.io.values import brief, check_array, parse_number
 
 __all__ = ["SHP_MAGIC", "parse_shapefile"]

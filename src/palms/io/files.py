@@ -10,8 +10,9 @@ import contextlib
 import json
 import os
 import secrets
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from palms.errors import FormatError, InputError, OutputError
 from palms.io.values import StrPath, brief
@@ -21,6 +22,7 @@ __all__ = [
     "StrPath",
     "head",
     "make_folder",
+    "opened",
     "read_bytes",
     "read_json",
     "read_text",
@@ -80,13 +82,43 @@ def sniff(start: bytes) -> str:
     return "text"
 
 
-def _open_guarded(path: StrPath) -> bytes:
+@contextlib.contextmanager
+def opened(path: StrPath) -> Iterator[IO[bytes]]:
+    """Open a file for reading, or say why that cannot be.
+
+    Raises
+    ------
+    InputError
+        When it is missing, a folder, or not readable.
+
+    Examples
+    --------
+    >>> with opened("no/such/file.png") as file:
+    ...     pass
+    Traceback (most recent call last):
+    palms.errors.InputError: no/such/file.png: expected a file, got nothing there; check the ...
+    """
     if os.path.isdir(path):
         raise InputError(
             str(path), expected="a file", got="a folder", fix="name the file inside it"
         )
-    with open(path, "rb") as file:
-        return file.read(MAX_BYTES + 1)
+    try:
+        file = open(path, "rb")  # noqa: SIM115 (closed below; only opening is guarded)
+    except FileNotFoundError:
+        raise InputError(
+            str(path), expected="a file", got="nothing there", fix="check the name and the folder"
+        ) from None
+    except (OSError, ValueError) as error:
+        raise _unreadable(path, error) from None
+    with file:
+        yield file
+
+
+def _unreadable(path: StrPath, error: Exception) -> InputError:
+    return InputError(
+        str(path).replace("\x00", "?"), expected="a file that can be read",
+        got=getattr(error, "strerror", None) or str(error), fix="check name and rights",
+    )  # fmt: skip
 
 
 def read_bytes(path: StrPath) -> bytes:
@@ -103,19 +135,11 @@ def read_bytes(path: StrPath) -> bytes:
     Traceback (most recent call last):
     palms.errors.InputError: no/such/file.png: expected a file, got nothing there; check the ...
     """
-    try:
-        content = _open_guarded(path)
-    except FileNotFoundError:
-        raise InputError(
-            str(path), expected="a file", got="nothing there", fix="check the name and the folder"
-        ) from None
-    except (InputError, MemoryError):
-        raise
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(
-            str(path), expected="a file that can be read", got=reason, fix="check name and rights"
-        ) from None
+    with opened(path) as file:
+        try:
+            content = file.read(MAX_BYTES + 1)
+        except OSError as error:
+            raise _unreadable(path, error) from None
     if len(content) > MAX_BYTES:
         raise InputError(
             str(path),

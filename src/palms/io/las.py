@@ -8,18 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from palms.errors import FormatError, InputError
+from palms.errors import FormatError
 from palms.extraction.settings import ExtractionSettings
 from palms.geometry import FloatArray
 from palms.io.files import head
-from palms.io.point_clouds import CloudOptions, cloud_scan, thinning
+from palms.io.point_clouds import CHUNK_ROWS, CloudOptions, Thinned, cloud_file, cloud_scan
 from palms.io.registry import Format
-from palms.io.values import StrPath, brief
+from palms.io.values import StrPath
 from palms.scan import Scan
 
 __all__ = ["FORMAT", "read_las"]
 
-_CHUNK_POINTS = 250_000  # ours
 _MOST_POINTS = 500_000_000  # ours: of compressed files, whose size tells little
 _LEAST_BYTES = 20  # of a point, by the format
 _PACKED = 0x80  # of the point format's number: compressed
@@ -40,14 +39,8 @@ def read_las(
     ----------
     path : path
         The file.
-    up : str
-        Which axis points up: z, unless a phone's app wrote it otherwise.
-    position : (x, y) or str, optional
-        The observation point, (x, y) of the file.
-    floor : float, optional
-        Height of the floor; found when left out.
-    settings : ExtractionSettings, optional
-        What counts as a wall.
+    up, position, floor, settings
+        As in `palms.io.point_clouds.CloudOptions`.
 
     Raises
     ------
@@ -56,18 +49,9 @@ def read_las(
     """
     import laspy
 
-    if Path(path).is_dir():
-        raise InputError(str(path), expected="a LAS file", got="a folder", fix="name the file")
-    try:
+    with cloud_file(path, "a LAS or LAZ file"):
         _check_header(path)
         points = _points(laspy, path)
-    except (InputError, ImportError, MemoryError):
-        raise
-    except BaseException as error:  # the decompressor panics on damaged files
-        if isinstance(error, KeyboardInterrupt | SystemExit):
-            raise
-        got = brief(str(error), 80)
-        raise FormatError(str(path), expected="a LAS or LAZ file", got=got) from None
     return cloud_scan(points, path, CloudOptions(up, position, floor, settings))
 
 
@@ -127,12 +111,11 @@ def _points(laspy: Any, path: StrPath) -> FloatArray:  # noqa: ANN401
             raise FormatError(
                 str(path), expected=f"{count} points, as its header says", got=f"room for {room}"
             )
-        step, parts, first = thinning(count), [np.empty((0, 3))], 0
-        for block in reader.chunk_iterator(_CHUNK_POINTS):
-            taken = [np.asarray(getattr(block, axis))[-first % step :: step] for axis in "xyz"]
-            parts.append(np.stack(taken, axis=1).astype(np.float64))
-            first += len(block)
-    return np.concatenate(parts)
+        points = Thinned(count)
+        for block in reader.chunk_iterator(CHUNK_ROWS):
+            kept = [points.of(np.asarray(getattr(block, axis))) for axis in "xyz"]
+            points.add(np.stack(kept, axis=1), len(block))
+    return points.stacked()
 
 
 def _recognizes(path: Path) -> bool:

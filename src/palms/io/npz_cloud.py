@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import os
 import zipfile
-import zlib
 from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
-import numpy.typing as npt
 
 from palms.errors import FormatError, InputError
 from palms.extraction.settings import ExtractionSettings
+from palms.geometry import FloatArray
 from palms.io.files import head
-from palms.io.point_clouds import CloudOptions, cloud_scan, thinning
+from palms.io.point_clouds import CHUNK_ROWS, CloudOptions, Thinned, cloud_file, cloud_scan
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief
 from palms.scan import Scan
@@ -24,7 +22,8 @@ __all__ = ["FORMAT", "read_npz_cloud"]
 _EXPECTED = "an array (P, 3) of points, such as xyz"
 _UNITS = {"mm": 0.001, "cm": 0.01, "m": 1.0}
 _MAX_BYTES = 2_000_000_000  # ours: of an array, unpacked; read piece by piece
-_CHUNK_ROWS = 250_000  # ours
+_CHUNK_BYTES = 64_000_000  # ours
+_MOST_COLUMNS = 1000  # ours: a point with colour and normal has 9
 _HEADER_BYTES = 10_000  # ours: as numpy's own limit
 
 
@@ -44,17 +43,10 @@ def read_npz_cloud(
     path : path
         An npz or npy file. In an npz the array is called xyz, points or whatever else; it
         is the only one of shape (P, 3) or more columns, or the first by name with xyz.
-    up : str
-        Which axis points up: x, y, z, -x, -y, -z; found by floor and ceiling when auto.
     unit : {"auto", "m", "cm", "mm"}
         Of the numbers; when auto, what the array's name ends in, such as xyz_mm, else m.
-    position : (x, y) or str, optional
-        The observation point on the ground, in metres: (x, -z) of a cloud with y up,
-        (x, y) of one with z up.
-    floor : float, optional
-        Height of the floor in metres; found when left out.
-    settings : ExtractionSettings, optional
-        What counts as a wall.
+    up, position, floor, settings
+        As in `palms.io.point_clouds.CloudOptions`, in metres.
 
     Raises
     ------
@@ -63,24 +55,14 @@ def read_npz_cloud(
     """
     if unit != "auto" and unit not in _UNITS:
         raise InputError("option unit", expected="auto, m, cm or mm", got=repr(unit))
-    try:
+    with cloud_file(path, "an npz file that can be read", "save it again"):
         name, points = _points(path)
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zlib.error, NotImplementedError,
-            RuntimeError, SyntaxError, MemoryError) as error:  # fmt: skip
-        if isinstance(error, InputError):
-            raise
-        reason = getattr(error, "strerror", None) or brief(str(error), 80)
-        raise FormatError(
-            str(path), expected="an npz file that can be read", got=reason, fix="save it again"
-        ) from None
     scale = _UNITS.get(name.rpartition("_")[2], 1.0) if unit == "auto" else _UNITS[unit]
     return cloud_scan(points * scale, path, CloudOptions(up, position, floor, settings))
 
 
-def _points(path: StrPath) -> tuple[str, npt.NDArray[np.float64]]:
+def _points(path: StrPath) -> tuple[str, FloatArray]:
     """Name and content (P, 3) of the array that holds points."""
-    if os.path.isdir(path):
-        raise InputError(str(path), expected="a file", got="a folder", fix="name the file in it")
     with open(path, "rb") as file:
         if file.read(6) == b"\x93NUMPY":
             file.seek(0)
@@ -112,10 +94,10 @@ def _shape(stream: IO[bytes], what: str) -> tuple[tuple[int, ...], bool, np.dtyp
     return shape, fortran, dtype
 
 
-def _read(stream: IO[bytes], what: str) -> npt.NDArray[np.float64]:
+def _read(stream: IO[bytes], what: str) -> FloatArray:
     """First three columns of every n-th row of an array, read piece by piece."""
     shape, fortran, dtype = _shape(stream, what)
-    if len(shape) != 2 or shape[1] < 3 or dtype.kind not in "fiu":
+    if len(shape) != 2 or not 3 <= shape[1] <= _MOST_COLUMNS or dtype.kind not in "fiu":
         raise FormatError(what, expected=_EXPECTED, got=f"{dtype} of shape {shape}")
     size = shape[0] * shape[1] * dtype.itemsize
     if size > _MAX_BYTES:
@@ -123,20 +105,20 @@ def _read(stream: IO[bytes], what: str) -> npt.NDArray[np.float64]:
             what, expected=f"at most {_MAX_BYTES / 1e9:g} GB of points", got=f"{size / 1e9:.3g} GB",
             fix="thin the cloud first",
         )  # fmt: skip
-    step = thinning(shape[0])
     if fortran:
-        columns = [_pieces(stream, shape[0], 1, dtype, step, what)[:, 0] for _ in range(3)]
+        columns = [_pieces(stream, shape[0], 1, dtype, what)[:, 0] for _ in range(3)]
         return np.stack(columns, axis=1)
-    return _pieces(stream, shape[0], shape[1], dtype, step, what)[:, :3]
+    return _pieces(stream, shape[0], shape[1], dtype, what)
 
 
 def _pieces(
-    stream: IO[bytes], rows: int, width: int, dtype: np.dtype[Any], step: int, what: str
-) -> npt.NDArray[np.float64]:
-    row_bytes, parts, first = width * dtype.itemsize, [np.empty((0, width))], 0
-    chunk = max(1, min(_CHUNK_ROWS, 64_000_000 // row_bytes))
-    while first < rows:
-        count = min(chunk, rows - first)
+    stream: IO[bytes], rows: int, width: int, dtype: np.dtype[Any], what: str
+) -> FloatArray:
+    """First three columns of the rows that are kept."""
+    row_bytes, points = width * dtype.itemsize, Thinned(rows)
+    chunk = max(1, min(CHUNK_ROWS, _CHUNK_BYTES // row_bytes))
+    while points.seen < rows:
+        count = min(chunk, rows - points.seen)
         content = stream.read(count * row_bytes)
         if len(content) < count * row_bytes:
             raise FormatError(
@@ -144,9 +126,8 @@ def _pieces(
                 fix="the file may be cut off; save it again",
             )  # fmt: skip
         block = np.frombuffer(content, dtype).reshape(count, width)
-        parts.append(block[-first % step :: step].astype(np.float64))
-        first += count
-    return np.concatenate(parts)
+        points.add(points.of(block)[:, :3], count)
+    return points.stacked()
 
 
 def _recognizes(path: Path) -> bool:

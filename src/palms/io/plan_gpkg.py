@@ -15,7 +15,7 @@ import numpy as np
 from palms.errors import FormatError
 from palms.floorplan import FloorPlan
 from palms.io.files import MAX_BYTES, head, read_bytes, sniff
-from palms.io.plan_geojson import Feature
+from palms.io.geojson import Feature
 from palms.io.plan_layers import Choice, Layer, plan_of_layers
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief, check_array

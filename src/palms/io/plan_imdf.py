@@ -6,27 +6,25 @@ and without what openings stand in. A unit of a wall's material is a solid, and 
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from palms.errors import FormatError, InputError
 from palms.floorplan import FloorPlan, Room, SegmentClass
 from palms.geodesy import Origin
 from palms.geometry import FloatArray
-from palms.io.archives import member_names, read_members
-from palms.io.plan_geojson import Feature, parse_features, parse_json, unzipped
+from palms.io.imdf import Item, Venue, is_imdf, ordinal, text_in
+from palms.io.levels import LevelPlan, gather_levels
 from palms.io.plan_parts import PlanParts, segments_along
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief, locating
 from palms.repair import merge
 
-__all__ = ["FORMAT", "read_plan_imdf"]
+__all__ = ["FORMAT", "read_levels_imdf", "read_plan_imdf"]
 
-_TYPES = ("level", "unit", "opening", "fixture", "kiosk", "building", "anchor", "occupant")
-_NEEDED = ("level", "unit")
 _WALKWAYS = (
     "walkway", "walkway.island", "lobby", "concourse", "footbridge", "movingwalkway", "platform",
     "ramp", "road", "terrace", "unenclosedarea", "escalator", "steps",
@@ -36,16 +34,6 @@ _NO_ROOM = (*_SOLIDS, "opentobelow", "nonpublic")
 _GRID_M = 0.001  # ours: corners that near are one
 _SLIVER_M = 0.03  # ours: gaps between units that are drawing errors
 _REACH_M = 0.3  # ours: an opening may lie that far from the wall's line
-
-
-class _Item(NamedTuple):
-    """A feature with its identity, as IMDF has it beside the properties."""
-
-    id: str
-    feature: Feature
-
-    def get(self, key: str) -> Any:  # noqa: ANN401
-        return self.feature.properties.get(key)
 
 
 def read_plan_imdf(
@@ -82,133 +70,57 @@ def read_plan_imdf(
         When it cannot be read, or the level is not named and there are several; the message
         lists them.
     """
-    items = _load(path)
-    buildings = {each.id: each.get("name") for each in items["building"]}
-    chosen = _choose(items["level"], (level, building), buildings, language, str(path))
-    rings = [ring for each in items["level"] for ring in each.feature.rings]
-    corners = np.concatenate(rings) if rings else np.empty((0, 2))
-    if not len(corners):
-        raise FormatError(f"{path}, level", expected="areas", got="none")
-    middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
-    lon, lat = origin or (round(float(v), 7) for v in middle)
-    with locating(path):
-        place = Origin(lon, lat)
+    venue = Venue.of(path, language, origin)
+    return _plan(venue, venue.level(level, building), fixtures)
+
+
+def read_levels_imdf(
+    path: StrPath,
+    *,
+    building: str | None = None,
+    language: str | None = None,
+    fixtures: bool = True,
+    origin: tuple[float, float] | None = None,
+) -> tuple[LevelPlan, ...]:
+    """Read all levels of a venue, or of one of its buildings, in one frame.
+
+    Parameters
+    ----------
+    path, building, language, fixtures, origin
+        As in `read_plan_imdf`.
+
+    Returns
+    -------
+    tuple of LevelPlan
+        By ordinal, from the lowest up; a plan's name is that of its building.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read, or there is no such building.
+    """
+    venue = Venue.of(path, language, origin)
+    return gather_levels(
+        (venue.title(each), ordinal(each), functools.partial(_plan, venue, each, fixtures))
+        for each in venue.levels(None, building)
+    )
+
+
+def _plan(venue: Venue, level: Item, fixtures: bool) -> FloorPlan:
     here = {
-        kind: [each for each in found if each.get("level_id") == chosen.id]
-        for kind, found in items.items()
+        kind: [each for each in found if each.get("level_id") == level.id]
+        for kind, found in venue.items.items()
     }
-    parts = _walls(here, place, fixtures)
-    parts.rooms = _rooms(here["unit"], _tenants(items, language), place, language, str(path))
-    if chosen.feature.rings:
-        parts.outline_m = place.to_local(max(chosen.feature.rings, key=len))[:-1]
-    name = _owner(chosen, buildings, language) or Path(path).resolve().stem
-    title = _label(chosen.get("name"), language) or _ordinal(chosen)
-    plan, _ = merge(parts.build(path, name, title, place))  # edges that two units share
-    return plan
+    parts = _walls(here, venue.origin, fixtures)
+    parts.rooms = _rooms(here["unit"], venue)
+    if level.feature.rings:
+        parts.outline_m = venue.origin.to_local(max(level.feature.rings, key=len))[:-1]
+    name = venue.owner(level) or Path(venue.path).resolve().stem
+    plan, _ = merge(parts.build(venue.path, name, venue.title(level), venue.origin))
+    return plan  # merged, as two units share an edge
 
 
-def _members() -> dict[str, str]:
-    endings = (".geojson", ".geojson.gz", ".json", ".json.gz")
-    return {f"{kind}{ending}": kind for kind in _TYPES for ending in endings}
-
-
-def _load(path: StrPath) -> dict[str, list[_Item]]:
-    contents = read_members(path, _members())
-    missing = [f"{kind}.geojson" for kind in _NEEDED if kind not in contents]
-    if missing:
-        raise FormatError(
-            str(path), expected="IMDF with level.geojson and unit.geojson",
-            got=f"no {' and no '.join(missing)}", fix="check that it is the whole archive",
-        )  # fmt: skip
-    items: dict[str, list[_Item]] = {kind: [] for kind in _TYPES}
-    for kind, content in contents.items():
-        what = f"{path}, {kind}"
-        plain = unzipped(content, what) if content[:2] == b"\x1f\x8b" else content
-        collection = parse_json(plain, what, "a GeoJSON FeatureCollection")
-        listed = collection.get("features") if isinstance(collection, dict) else None
-        features = parse_features(collection, what)
-        ids = [each.get("id") for each in listed] if isinstance(listed, list) else []
-        items[kind] = [_Item(str(i), f) for f, i in zip(features, _padded(ids), strict=False)]
-    return items
-
-
-def _padded(ids: Sequence[Any]) -> list[Any]:
-    return [*ids, None]
-
-
-def _label(name: object, language: str | None) -> str:
-    """Text of a name by language; the first language when the one asked for is missing."""
-    if isinstance(name, str):
-        return name.strip()
-    if not isinstance(name, dict):
-        return ""
-    texts = {k: v.strip() for k, v in name.items() if isinstance(v, str) and v.strip()}
-    return texts.get(language or "", next(iter(texts.values()), ""))
-
-
-def _ordinal(level: _Item) -> str:
-    value = level.get("ordinal")
-    return f"{value:g}" if isinstance(value, int | float) else ""
-
-
-def _choose(
-    levels: Sequence[_Item],
-    wanted: tuple[str | None, str | None],
-    buildings: Mapping[str, Any],
-    language: str | None,
-    what: str,
-) -> _Item:
-    """Return the level that was asked for, or say which there are."""
-    level, building = wanted
-    fitting = [
-        each for each in levels
-        if (level is None or level in _names(each))
-        and (building is None or building in _owners(each, buildings))
-    ]  # fmt: skip
-    if len(fitting) == 1:
-        return fitting[0]
-    shown = "; ".join(
-        f"{_label(each.get('name'), language) or 'no name'} (ordinal {_ordinal(each)}, "
-        f"{_owner(each, buildings, language) or 'no building'}, "
-        f"id {each.id})"
-        for each in (fitting or levels)[:20]
-    )
-    asked = ", ".join(f"{k}={v!r}" for k, v in zip(("level", "building"), wanted, strict=True) if v)
-    raise InputError(
-        f"{what}, option level",
-        expected=f"one of {shown}",
-        got=asked if not fitting else f"{len(fitting)} that fit{' ' + asked if asked else ''}",
-        fix="choose with the options level=NAME, ordinal or id, and building=NAME",
-    )
-
-
-def _texts(name: object) -> set[str]:
-    """All languages of a name."""
-    texts = name.values() if isinstance(name, dict) else [name]
-    return {text.strip() for text in texts if isinstance(text, str)} - {""}
-
-
-def _names(level: _Item) -> set[str]:
-    names = _texts(level.get("name")) | _texts(level.get("short_name"))
-    return names | {level.id, _ordinal(level)}
-
-
-def _ids(level: _Item) -> list[str]:
-    ids = level.get("building_ids")
-    return [each for each in ids if isinstance(each, str)] if isinstance(ids, list) else []
-
-
-def _owners(level: _Item, buildings: Mapping[str, Any]) -> set[str]:
-    """Ids and names of the buildings of a level."""
-    ids = _ids(level)
-    return set(ids).union(*(_texts(buildings.get(each)) for each in ids))
-
-
-def _owner(level: _Item, buildings: Mapping[str, Any], language: str | None) -> str:
-    return ", ".join(filter(None, (_label(buildings.get(i), language) for i in _ids(level))))
-
-
-def _polygon(item: _Item, place: Origin) -> Any:  # noqa: ANN401
+def _polygon(item: Item, place: Origin) -> Any:  # noqa: ANN401
     """Return the area of a feature in metres, its parts and holes told by even and odd."""
     import shapely
 
@@ -221,7 +133,7 @@ def _polygon(item: _Item, place: Origin) -> Any:  # noqa: ANN401
     return area
 
 
-def _walls(here: Mapping[str, Sequence[_Item]], place: Origin, fixtures: bool) -> PlanParts:
+def _walls(here: Mapping[str, Sequence[Item]], place: Origin, fixtures: bool) -> PlanParts:
     import shapely
 
     ways: list[Any] = []
@@ -262,46 +174,36 @@ def _lines(boundaries: Sequence[Any]) -> FloatArray:
     return np.concatenate([np.empty((0, 2, 2)), *runs])
 
 
-def _tenants(items: Mapping[str, Sequence[_Item]], language: str | None) -> dict[str, str]:
+def _tenants(venue: Venue) -> dict[str, str]:
     """Names of occupants by the unit that their anchor stands in."""
-    units = {each.id: str(each.get("unit_id")) for each in items["anchor"]}
+    units = {each.id: str(each.get("unit_id")) for each in venue.items["anchor"]}
     return {
         units[anchor]: name
-        for each in items["occupant"]
+        for each in venue.items["occupant"]
         if (anchor := str(each.get("anchor_id"))) in units
-        and (name := _label(each.get("name"), language))
+        and (name := text_in(each.get("name"), venue.language))
     }
 
 
-def _rooms(
-    units: Sequence[_Item],
-    tenants: Mapping[str, str],
-    place: Origin,
-    language: str | None,
-    what: str,
-) -> list[Room]:
-    rooms = []
+def _rooms(units: Sequence[Item], venue: Venue) -> list[Room]:
+    rooms, tenants = [], _tenants(venue)
     for unit in units:
-        name = _label(unit.get("name"), language) or tenants.get(unit.id, "")
-        name = name or _label(unit.get("alt_name"), language)
+        name = text_in(unit.get("name"), venue.language) or tenants.get(unit.id, "")
+        name = name or text_in(unit.get("alt_name"), venue.language)
         if not name or unit.get("category") in _NO_ROOM or not unit.feature.rings:
             continue
-        ring = place.to_local(unit.feature.rings[0])
+        ring = venue.origin.to_local(unit.feature.rings[0])
         if len(ring) > 3:
-            with locating(f"{what}, unit {brief(name)}"):
+            with locating(f"{venue.path}, unit {brief(name)}"):
                 rooms.append(Room(name, ring[:-1]))
     return rooms
-
-
-def _recognizes(path: Path) -> bool:
-    kinds = {_members().get(name.lower().rpartition("/")[2]) for name in member_names(path)}
-    return kinds.issuperset(_NEEDED)
 
 
 FORMAT = Format(
     name="imdf",
     description="one level of a venue: zip archive or folder",
     suffixes=(".imdf", ".zip"),
-    recognizes=_recognizes,
+    recognizes=is_imdf,
     read=read_plan_imdf,
+    read_levels=read_levels_imdf,
 )

@@ -16,8 +16,9 @@ from palms.errors import FormatError, InputError
 from palms.floorplan import FloorPlan
 from palms.geodesy import Origin
 from palms.geometry import FloatArray
+from palms.io.geojson import Feature
 from palms.io.plan_csv import plan_name
-from palms.io.plan_geojson import Feature, _class_key, _Sorter
+from palms.io.plan_features import Sorter, class_key
 from palms.io.plan_parts import check_scale
 from palms.io.plan_words import parse_classes, role_of
 from palms.io.values import StrPath, brief, locating
@@ -90,9 +91,9 @@ def plan_of_layers(layers: Sequence[Layer], choice: Choice, path: StrPath) -> Fl
     with locating(path):
         systems = sorted({layer.crs for layer in chosen if layer.features})
         to_map, place = _frame(everything, choice, systems, str(path))
-    key = choice.class_property or _class_key(features)
+    key = choice.class_property or class_key(features)
     names = (choice.name_property,) if choice.name_property else _NAME_KEYS
-    parts = _Sorter(key, parse_classes(choice.classes), names).sort(features, to_map, str(path))
+    parts = Sorter(key, parse_classes(choice.classes), names).sort(features, to_map, str(path))
     plan, _ = merge(parts.build(path, plan_name(path), level, place))
     return plan  # of edges that two rooms share, one is left
 

@@ -19,8 +19,10 @@ __all__ = [
     "MAX_TILT",
     "on_ground",
     "read_matrices",
+    "read_polygon",
     "read_pose",
     "read_vector",
+    "rectangle",
     "upright_wall",
     "word_of",
 ]
@@ -68,6 +70,34 @@ def read_vector(value: object, what: str, keys: str = "xyz") -> FloatArray:
     if not isinstance(value, list) or len(value) < len(keys):
         raise FormatError(what, expected=f"{len(keys)} numbers", got=brief(value))
     return np.array([check_number(each, what) for each in value[: len(keys)]])
+
+
+def read_polygon(value: object, what: str, expected: str) -> FloatArray:
+    """Return the corners (K, 3) of a plane, written as a list of vectors.
+
+    Examples
+    --------
+    >>> read_polygon([[0, 0, 0], {"x": 2, "y": 0, "z": 0}], "plane 0, polygon", "points").shape
+    (2, 3)
+    """
+    if not isinstance(value, list) or len(value) < 2:
+        raise FormatError(what, expected=expected, got=brief(value))
+    return check_array([read_vector(each, what).tolist() for each in value], what, (None, 3))
+
+
+def rectangle(size_m: tuple[float, float], turn_rad: float, what: str) -> FloatArray:
+    """Return the corners (4, 3) of a plane about its middle, by its size along x and z.
+
+    Examples
+    --------
+    >>> rectangle((2.0, 1.0), 0.0, "plane 0, extent")[:, [0, 2]].tolist()
+    [[1.0, 0.5], [1.0, -0.5], [-1.0, -0.5], [-1.0, 0.5]]
+    """
+    if min(size_m) < 0:
+        raise FormatError(what, expected="0 m or more", got=brief([float(v) for v in size_m]))
+    x, z = 0.5 * np.array(size_m)[:, None] * [[1.0, 1.0, -1.0, -1.0], [1.0, -1.0, -1.0, 1.0]]
+    c, s = np.cos(turn_rad), np.sin(turn_rad)
+    return np.column_stack([c * x + s * z, np.zeros(4), c * z - s * x])
 
 
 def read_matrices(values: Sequence[object], names: Sequence[str]) -> FloatArray:

@@ -27,7 +27,15 @@ from palms.scan import Scan
 if TYPE_CHECKING:
     from palms.io.plane_models import HistoryPlane, OlderPlane
 
-__all__ = ["FORMAT", "read_scan_json", "scan_time_s", "session_of", "write_scan_json"]
+__all__ = [
+    "FORMAT",
+    "PLANES_FILE",
+    "read_scan_json",
+    "read_sidecar",
+    "scan_time_s",
+    "session_of",
+    "write_scan_json",
+]
 
 PLANES_FILE = "detectedPlanes.json"
 VERTICAL = 1  # planeAlignment of a wall
@@ -99,10 +107,7 @@ def read_scan_json(path: StrPath) -> Scan:
     """
     planes = _planes_path(path)
     walls = _walls(read_json(planes, _EXPECTED), planes)
-    sidecar = _sidecar(planes)
-    extras: dict[str, Any] = {"session": session_of(planes)}
-    if sidecar.is_file():
-        extras |= _read_sidecar(sidecar)
+    extras = {"session": session_of(planes)} | read_sidecar(planes)
     with locating(planes):
         scan = Scan(walls, **extras)
     return scan if scan.coverage_m is not None else _with_depth(scan, planes.parent)
@@ -130,8 +135,7 @@ def scan_time_s(folder: StrPath) -> float:
     >>> scan_time_s("Session_7")
     0.0
     """
-    sidecar = _sidecar(Path(folder) / PLANES_FILE)
-    return float(_read_sidecar(sidecar).get("time_s", 0.0)) if sidecar.is_file() else 0.0
+    return float(read_sidecar(Path(folder) / PLANES_FILE).get("time_s", 0.0))
 
 
 def _walls(listed: object, path: Path) -> FloatArray:
@@ -207,7 +211,17 @@ def _check_rigid(transform: FloatArray, what: str) -> None:
         )
 
 
-def _read_sidecar(path: Path) -> dict[str, Any]:
+def read_sidecar(planes: Path) -> dict[str, Any]:
+    """Return what the file beside a session's planes says of the scan; nothing without one.
+
+    Examples
+    --------
+    >>> read_sidecar(Path("Session_7/detectedPlanes.json"))
+    {}
+    """
+    path = _sidecar(planes)
+    if not path.is_file():
+        return {}
     content = read_json(path, "an object with t_s and position_m")
     if not isinstance(content, dict):
         raise FormatError(

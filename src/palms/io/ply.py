@@ -8,12 +8,12 @@ from pathlib import Path
 from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from palms.errors import FormatError, InputError
 from palms.extraction.settings import ExtractionSettings
+from palms.geometry import FloatArray
 from palms.io.files import head
-from palms.io.point_clouds import CloudOptions, cloud_scan, thinning
+from palms.io.point_clouds import CHUNK_ROWS, CloudOptions, Thinned, cloud_file, cloud_scan
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief
 from palms.scan import Scan
@@ -28,7 +28,6 @@ _TYPES = {
 _ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 _HEADER_BYTES = 65_536  # ours: no header is longer
 _MAX_BYTES = 4_000_000_000  # ours: what is read piece by piece
-_CHUNK_ROWS = 250_000  # ours
 _EXPECTED = "a PLY file with vertices x, y, z"
 
 
@@ -70,15 +69,8 @@ def read_ply(
     ----------
     path : path
         The file.
-    up : str
-        Which axis points up: x, y, z, -x, -y, -z; found by floor and ceiling when auto.
-    position : (x, y) or str, optional
-        The observation point on the ground: (x, -z) of a cloud with y up, (x, y) of one
-        with z up.
-    floor : float, optional
-        Height of the floor; found when left out.
-    settings : ExtractionSettings, optional
-        What counts as a wall.
+    up, position, floor, settings
+        As in `palms.io.point_clouds.CloudOptions`.
 
     Raises
     ------
@@ -88,7 +80,7 @@ def read_ply(
     return cloud_scan(read_ply_points(path), path, CloudOptions(up, position, floor, settings))
 
 
-def read_ply_points(path: StrPath) -> npt.NDArray[np.float32 | np.float64]:
+def read_ply_points(path: StrPath) -> FloatArray:
     """Read the vertices (P, 3) of a PLY file; every n-th of very many.
 
     Raises
@@ -96,25 +88,16 @@ def read_ply_points(path: StrPath) -> npt.NDArray[np.float32 | np.float64]:
     InputError
         When it cannot be read, or holds less than its header says.
     """
-    if os.path.isdir(path):
-        raise InputError(str(path), expected="a PLY file", got="a folder", fix="name the file")
-    try:
+    with cloud_file(path, _EXPECTED), open(path, "rb") as file:
         size = os.path.getsize(path)
-        with open(path, "rb") as file:
-            header = _header(file.read(_HEADER_BYTES), path)
-            if size > _MAX_BYTES:
-                raise InputError(
-                    str(path), expected=f"at most {_MAX_BYTES / 1e9:g} GB", got=f"{size / 1e9:.3g}"
-                )
-            file.seek(header.start)
-            if header.order:
-                return _binary(file, header, size, path)
-            return _ascii(file, header, size, path)
-    except (OSError, ValueError) as error:
-        if isinstance(error, InputError):
-            raise
-        reason = getattr(error, "strerror", None) or brief(str(error), 80)
-        raise InputError(str(path), expected=_EXPECTED, got=reason) from None
+        header = _header(file.read(_HEADER_BYTES), path)
+        if size > _MAX_BYTES:
+            raise InputError(
+                str(path), expected=f"at most {_MAX_BYTES / 1e9:g} GB", got=f"{size / 1e9:.3g}"
+            )
+        file.seek(header.start)
+        read = _binary if header.order else _ascii
+        return read(file, header, size, path)
 
 
 def _header(start: bytes, path: StrPath) -> _Header:
@@ -180,44 +163,36 @@ def _check_count(header: _Header, room: int, path: StrPath) -> None:
         raise FormatError(str(path), expected=_EXPECTED, got="no vertex", fix="export it again")
 
 
-def _binary(
-    file: BinaryIO, header: _Header, size: int, path: StrPath
-) -> npt.NDArray[np.float32 | np.float64]:
+def _binary(file: BinaryIO, header: _Header, size: int, path: StrPath) -> FloatArray:
     dtype = header.dtype
     _check_count(header, (size - header.start - header.bytes_before) // dtype.itemsize, path)
     file.seek(header.start + header.bytes_before)
-    step, parts, first = thinning(header.count), [], 0
-    while first < header.count:
-        rows = min(_CHUNK_ROWS, header.count - first)
-        block = np.frombuffer(file.read(rows * dtype.itemsize), dtype)
-        block = block[-first % step :: step]
-        parts.append(np.stack([block[axis].astype(np.float64) for axis in "xyz"], axis=1))
-        first += rows
-    return np.concatenate(parts)
+    points = Thinned(header.count)
+    while points.seen < header.count:
+        rows = min(CHUNK_ROWS, header.count - points.seen)
+        block = points.of(np.frombuffer(file.read(rows * dtype.itemsize), dtype))
+        points.add(np.stack([block[axis].astype(np.float64) for axis in "xyz"], axis=1), rows)
+    return points.stacked()
 
 
-def _ascii(
-    file: BinaryIO, header: _Header, size: int, path: StrPath
-) -> npt.NDArray[np.float32 | np.float64]:
+def _ascii(file: BinaryIO, header: _Header, size: int, path: StrPath) -> FloatArray:
     names = [name for name, _ in header.columns]
     _check_count(header, (size - header.start + 1) // (2 * len(names)), path)
     _check_count(header, (size - header.start) - 2 * header.rows_before, path)
     for _ in range(header.rows_before):
         file.readline(_HEADER_BYTES)
     wanted = [names.index(axis) for axis in "xyz"]
-    step, parts, first = thinning(header.count), [], 0
-    while first < header.count:
-        rows = min(_CHUNK_ROWS, header.count - first)
+    points = Thinned(header.count)
+    while points.seen < header.count:
+        rows = min(CHUNK_ROWS, header.count - points.seen)
         lines = [file.readline(_HEADER_BYTES) for _ in range(rows)]
         if not lines[-1].strip():
             raise FormatError(
                 str(path), expected=f"{header.count} vertices, as its header says",
                 got="fewer lines", fix="the file may be cut off; export it again",
             )  # fmt: skip
-        block = np.loadtxt(lines[-first % step :: step], usecols=wanted, ndmin=2, comments=None)
-        parts.append(block)
-        first += rows
-    return np.concatenate(parts)
+        points.add(np.loadtxt(points.of(lines), usecols=wanted, ndmin=2, comments=None), rows)
+    return points.stacked()
 
 
 def _recognizes(path: Path) -> bool:

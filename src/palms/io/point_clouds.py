@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import contextlib
+import os
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,21 +15,24 @@ from palms.extraction.scans import scan_from_points
 from palms.extraction.settings import ExtractionSettings
 from palms.geometry import FloatArray
 from palms.io.planes import session_of
-from palms.io.values import StrPath, locating
+from palms.io.values import StrPath, brief, locating
 from palms.scan import Scan
 
 __all__ = [
+    "CHUNK_ROWS",
     "MAX_POINTS",
     "UP_AXES",
     "CloudOptions",
+    "Thinned",
+    "cloud_file",
     "cloud_scan",
     "find_up",
     "parse_metres",
     "parse_position",
-    "thinning",
 ]
 
 MAX_POINTS = 3_000_000  # ours: of larger clouds every so manieth point is taken
+CHUNK_ROWS = 250_000  # ours: points that are read at once
 UP_AXES = {  # rows: what becomes x and y on the ground, and height; all are rotations
     "x": ((0, 1, 0), (0, 0, 1), (1, 0, 0)),
     "-x": ((0, 0, 1), (0, 1, 0), (-1, 0, 0)),
@@ -40,15 +45,81 @@ _LEVEL_M = 0.05  # ours: thickness of floors and ceilings in a histogram
 _CLEARER = 1.5  # ours: so much more must lie on two levels along one axis than another
 
 
-def thinning(count: int) -> int:
-    """Return n such that every n-th of so many points are few enough.
+class Thinned:
+    """Points of a file, gathered piece by piece; of very many, every n-th is kept.
+
+    Parameters
+    ----------
+    count : int
+        How many the file has.
 
     Examples
     --------
-    >>> thinning(100), thinning(7_000_000)
-    (1, 3)
+    >>> points = Thinned(2 * MAX_POINTS)
+    >>> for first in range(0, 9, 3):
+    ...     points.add(points.of(np.arange(first, first + 3.0)[:, None] * [1, 1, 1]), 3)
+    >>> points.stacked()[:, 0].tolist()
+    [0.0, 2.0, 4.0, 6.0, 8.0]
     """
-    return max(1, -(-count // MAX_POINTS))
+
+    def __init__(self, count: int) -> None:
+        self.step = max(1, -(-count // MAX_POINTS))
+        self.seen = 0
+        self._parts: list[FloatArray] = []
+
+    def of(self, piece: Any) -> Any:  # noqa: ANN401
+        """Return what of the next piece is kept: of an array's rows, or of a list."""
+        return piece[-self.seen % self.step :: self.step]
+
+    def add(self, points: npt.NDArray[Any], rows: int) -> None:
+        """Add what was kept of the next piece, which had so many rows."""
+        self._parts.append(points.astype(np.float64))
+        self.seen += rows
+
+    def stacked(self) -> FloatArray:
+        """All that was kept, (P, 3)."""
+        return np.concatenate(self._parts) if self._parts else np.empty((0, 3))
+
+
+@contextlib.contextmanager
+def cloud_file(path: StrPath, expected: str, fix: str = "") -> Iterator[None]:
+    """Say in one line what is wrong with the file of a point cloud that a library reads.
+
+    Parameters
+    ----------
+    path : path
+        The file; a folder is refused.
+    expected : str
+        What it should be.
+    fix : str, optional
+        What to do when it is not.
+
+    Raises
+    ------
+    InputError
+        In place of whatever the library raises; some raise things of their own.
+
+    Examples
+    --------
+    >>> with cloud_file("a.las", "a LAS file"):
+    ...     raise ValueError("unknown version")
+    Traceback (most recent call last):
+    palms.errors.FormatError: a.las: expected a LAS file, got 'unknown version'
+    """
+    if os.path.isdir(path):
+        raise InputError(str(path), expected=expected, got="a folder", fix="name the file in it")
+    try:
+        yield
+    except (InputError, ImportError, KeyboardInterrupt, SystemExit):
+        raise
+    except MemoryError:
+        raise InputError(
+            str(path), expected="points that fit into memory", got="more",
+            fix="thin the cloud first",
+        ) from None  # fmt: skip
+    except BaseException as error:  # compiled decompressors panic on damaged files
+        reason = getattr(error, "strerror", None) or brief(str(error), 80)
+        raise FormatError(str(path), expected=expected, got=reason, fix=fix) from None
 
 
 def parse_position(value: object) -> FloatArray | None:
@@ -96,12 +167,14 @@ class CloudOptions(NamedTuple):
     Attributes
     ----------
     up : str
-        x, y, z, -x, -y, -z, or auto.
+        x, y, z, -x, -y, -z, or auto: found by floor and ceiling.
     position : (x, y), str or None
-        The observation point on the ground.
+        The observation point on the ground: (x, -z) of a cloud with y up, (x, y) of one
+        with z up.
     floor : float, str or None
-        Height of the floor, along the axis that is up.
+        Height of the floor, along the axis that is up; found when left out.
     settings : ExtractionSettings or None
+        What counts as a wall.
     """
 
     up: str = "auto"

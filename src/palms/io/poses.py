@@ -205,7 +205,8 @@ def _has_pose_keys(start: bytes) -> bool:
     text = start[:4000].lower()
     has_time = any(b'"%s' % key in text for key in (b"time", b't"', b"ts"))
     places = (b'"transform', b'"camera', b'"pose', b'"position', b'"translation', b'"tx"', b'"x"')
-    return has_time and any(key in text for key in places) and b'"anchor' not in text
+    others = (b'"anchor', b'"payload"', b'"sensor"')  # planes, and what Sensor Logger writes
+    return has_time and any(key in text for key in places) and not any(o in text for o in others)
 
 
 FORMAT = Format(

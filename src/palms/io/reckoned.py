@@ -18,7 +18,7 @@ from palms.io.options import choice_option, number_option
 from palms.io.values import StrPath, locating
 from palms.odometry import Odometry
 
-__all__ = ["MAX_READINGS", "Gathered", "ReckoningOptions", "reckon", "report_damage"]
+__all__ = ["MAX_READINGS", "Gathered", "ReckoningOptions", "at_times", "reckon", "report_damage"]
 
 MAX_READINGS: Final = 5_000_000  # ours: of one sensor; six hours at 200 a second
 _GAP_S = 1.0  # ours: two steps
@@ -111,6 +111,20 @@ class ReckoningOptions:
         return InertialSettings(
             length=cast(LengthMethod, length), heading=cast(HeadingMethod, heading), **numbers
         )
+
+
+def at_times(readings: tuple[FloatArray, FloatArray], time_s: FloatArray) -> FloatArray:
+    """Return what a sensor read at other times (N,), in between its readings: (N, width).
+
+    Examples
+    --------
+    >>> at_times((np.array([0.0, 1.0]), np.array([[0.0], [2.0]])), np.array([0.5])).tolist()
+    [[1.0]]
+    """
+    time, values = readings
+    order = np.argsort(time, kind="stable")
+    columns = [np.interp(time_s, time[order], column) for column in values[order].T]
+    return np.column_stack(columns)
 
 
 def reckon(

@@ -11,38 +11,27 @@ from __future__ import annotations
 import functools
 import importlib
 import importlib.metadata
-import inspect
 import os
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from palms.errors import InputError, OutputError, PalmsError, PalmsWarning
+from palms.errors import InputError, OutputError, PalmsWarning
 from palms.io.files import head, sniff
-from palms.io.options import parse_options
 from palms.io.values import StrPath
-
-if TYPE_CHECKING:
-    from palms.floorplan import FloorPlan
-    from palms.io.walk import RecordedWalk
-    from palms.odometry import Odometry
-    from palms.scan import Scan
 
 __all__ = [
     "BUILT_IN",
     "FLOORPLANS",
     "ODOMETRY",
     "SCANS",
+    "WHAT",
     "Format",
     "choose_format",
+    "choose_writer",
     "formats",
-    "read_any",
-    "read_floorplan",
-    "read_scan",
-    "read_walk",
-    "write_floorplan",
 ]
 
 FLOORPLANS = "palms.floorplans"
@@ -57,6 +46,12 @@ BUILT_IN: dict[str, tuple[str, ...]] = {
         "palms.io.plan_image:FORMAT",
         "palms.io.plan_ros:FORMAT",
         "palms.io.plan_dxf:FORMAT",
+        "palms.io.plan_osm:FORMAT",
+        "palms.io.plan_svg:FORMAT",
+        "palms.io.plan_pdf:FORMAT",
+        "palms.io.plan_gpkg:FORMAT",
+        "palms.io.plan_shapefile:FORMAT",
+        "palms.io.plan_ifc:FORMAT",
     ),
     SCANS: (
         "palms.io.planes:FORMAT",
@@ -81,7 +76,7 @@ BUILT_IN: dict[str, tuple[str, ...]] = {
         "palms.io.step_heading:FORMAT",
     ),
 }
-_WHAT = {FLOORPLANS: "floor plan", SCANS: "scan", ODOMETRY: "walk"}
+WHAT = {FLOORPLANS: "floor plan", SCANS: "scan", ODOMETRY: "walk"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +99,9 @@ class Format:
         ``(value, path) -> None``.
     extra : str, optional
         The extra of the package that brings what it needs; None when nothing is needed.
+    read_levels : callable, optional
+        ``(path, **options) -> levels``, of a floor plan's format that can hold several: a
+        tuple of `palms.io.LevelPlan` in one frame, from the lowest up.
 
     Examples
     --------
@@ -119,6 +117,7 @@ class Format:
     read: Callable[..., Any]
     write: Callable[..., None] | None = None
     extra: str | None = None
+    read_levels: Callable[..., tuple[Any, ...]] | None = None
 
 
 def _load(reference: str) -> Any:  # noqa: ANN401
@@ -223,7 +222,7 @@ def choose_format(group: str, path: StrPath, name: str | None = None) -> Any:  #
     if "\x00" in str(path) or not os.path.exists(path):
         raise InputError(
             str(path).replace("\x00", "?"),
-            expected=f"a {_WHAT[group]}",
+            expected=f"a {WHAT[group]}",
             got="nothing there",
             fix="check the name and the folder",
         )
@@ -233,191 +232,39 @@ def choose_format(group: str, path: StrPath, name: str | None = None) -> Any:  #
         return (by_suffix or fitting)[0]
     got = "a folder" if place.is_dir() else sniff(head(place)) if head(place) else "an empty file"
     raise InputError(
-        str(path), expected=f"a {_WHAT[group]} as {_listed(readers)}", got=got,
+        str(path), expected=f"a {WHAT[group]} as {_listed(readers)}", got=got,
         fix="convert it, or name its format; palms formats tells more",
     )  # fmt: skip
 
 
-def read_any(group: str, path: StrPath, name: str | None = None, texts: Sequence[str] = ()) -> Any:  # noqa: ANN401
-    """Read a file of a group with options given as text, as the command line has them.
+def choose_writer(group: str, path: StrPath, name: str | None = None) -> Any:  # noqa: ANN401
+    """Return the format to write a file in: by name, else by how the file's name ends.
 
     Parameters
     ----------
     group : str
         `FLOORPLANS`, `SCANS` or `ODOMETRY`.
     path : path
-        The file or folder.
+        The file to be.
     name : str, optional
-        Name of its format; found out when left out.
-    texts : sequence of str
-        Options for the reader of that format, as ``scale=0.02``.
-
-    Raises
-    ------
-    InputError
-        As `read_floorplan`; also for an option that the format does not have.
-
-    Examples
-    --------
-    >>> read_any(FLOORPLANS, "hall.csv", "csv", ["colour=red"])
-    Traceback (most recent call last):
-    palms.errors.InputError: option of format csv: expected ..., got 'colour'
-    """
-    reader = choose_format(group, path, name)
-    options = parse_options(reader.read, texts, f"option of format {reader.name}")
-    value = _read(reader, group, path, options)
-    return _recorded(value, path) if group == ODOMETRY else value
-
-
-def _read(reader: Any, group: str, path: StrPath, options: dict[str, Any]) -> Any:  # noqa: ANN401
-    try:
-        inspect.signature(reader.read).bind(path, **options)
-    except TypeError as error:
-        raise InputError(f"options for format {reader.name}", got=str(error)) from None
-    try:
-        return reader.read(path, **options)
-    except RecursionError:
-        raise InputError(str(path), expected=f"a {_WHAT[group]}", got="too deep nesting") from None
-    except ImportError as error:
-        if isinstance(error, PalmsError) or not getattr(reader, "extra", None):
-            raise
-        raise InputError(
-            str(path),
-            expected=f"what reads {reader.name}",
-            got=f"no package {error.name}",
-            fix=f'pip install "palms-localization[{reader.extra}]"',
-        ) from None
-
-
-def read_floorplan(path: StrPath, *, format: str | None = None, **options: Any) -> FloorPlan:  # noqa: ANN401
-    r"""Read a floor plan of any known format.
-
-    Parameters
-    ----------
-    path : path
-        The file or folder.
-    format : str, optional
-        Name of its format; found out when left out.
-    **options
-        For the reader of that format.
-
-    Raises
-    ------
-    InputError
-        When nothing is there, no format fits, or its content is at fault.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from palms.io.files import write_text
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_text(f"{folder}/hall.csv", "0,0,8,0\n8,0,8,5\n")
-    ...     read_floorplan(f"{folder}/hall.csv").size_m.tolist()
-    [8.0, 5.0]
-    """
-    reader = choose_format(FLOORPLANS, path, format)
-    plan: FloorPlan = _read(reader, FLOORPLANS, path, options)
-    return plan
-
-
-def write_floorplan(plan: FloorPlan, path: StrPath, *, format: str | None = None) -> None:
-    """Write a floor plan in the format that the file's name ends for.
-
-    Parameters
-    ----------
-    plan : FloorPlan
-    path : path
-        The file; replaced when it exists. Its folder must exist.
-    format : str, optional
-        Name of the format, when the name of the file does not tell.
+        The format, when the name of the file does not tell.
 
     Raises
     ------
     OutputError
-        When no format that can be written fits, or the file cannot be written.
+        When no format that can be written fits.
 
     Examples
     --------
-    >>> from palms.floorplan import FloorPlan
-    >>> write_floorplan(FloorPlan([[[0, 0], [8, 0]]]), "hall.dwg")
-    Traceback (most recent call last):
-    palms.errors.OutputError: hall.dwg: expected a name that ends in ..., got 'hall.dwg'
+    >>> choose_writer(FLOORPLANS, "hall.csv").name
+    'csv'
     """
-    writers = [r for r in formats(FLOORPLANS) if getattr(r, "write", None) is not None]
+    writers = [r for r in formats(group) if getattr(r, "write", None) is not None]
     place = Path(path)
-    fitting = [r for r in writers if (r.name == format if format else _has_suffix(r, place))]
-    if not fitting:
-        known = " or ".join(f"{r.suffixes[0]} ({r.name})" for r in writers)
-        raise OutputError(
-            str(path), expected=f"a name that ends in {known}", got=repr(format or place.name)
-        )
-    fitting[0].write(plan, path)
-
-
-def read_scan(path: StrPath, *, format: str | None = None, **options: Any) -> Scan:  # noqa: ANN401
-    """Read a scan of any known format.
-
-    Parameters
-    ----------
-    path : path
-        The file, or the folder of the session.
-    format : str, optional
-        Name of its format; found out when left out.
-    **options
-        For the reader of that format.
-
-    Raises
-    ------
-    InputError
-        When nothing is there, no format fits, or its content is at fault.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from palms.io.files import write_json
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_json(f"{folder}/scan.json", [[[2, -2.5], [2, 0.5]]])
-    ...     read_scan(f"{folder}/scan.json").walls_m.tolist()
-    [[[2.0, -2.5], [2.0, 0.5]]]
-    """
-    reader = choose_format(SCANS, path, format)
-    scan: Scan = _read(reader, SCANS, path, options)
-    return scan
-
-
-def read_walk(path: StrPath, *, format: str | None = None, **options: Any) -> RecordedWalk:  # noqa: ANN401
-    """Read a recorded walk of any known format.
-
-    Parameters
-    ----------
-    path : path
-        The file, or a folder that holds one walk.
-    format : str, optional
-        Name of its format; found out when left out.
-    **options
-        For the reader of that format.
-
-    Raises
-    ------
-    InputError
-        When nothing is there, no format fits, or its content is at fault.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> from palms.io.files import write_json
-    >>> walk = {"ARKit_raw_2D": [[-1, 0], [-2, 0]], "time_intervals": [1.0, 0.5]}
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_json(f"{folder}/walk.json", walk)
-    ...     read_walk(f"{folder}/walk.json").odometry("arkit").position_m.tolist()
-    [[1.0, 0.0], [2.0, 0.0]]
-    """
-    reader = choose_format(ODOMETRY, path, format)
-    return _recorded(_read(reader, ODOMETRY, path, options), path)
-
-
-def _recorded(walk: RecordedWalk | Odometry, path: StrPath) -> RecordedWalk:
-    from palms.io.walk import RecordedWalk
-    from palms.odometry import Odometry
-
-    return RecordedWalk.of(walk, path=Path(path)) if isinstance(walk, Odometry) else walk
+    fitting = [r for r in writers if (r.name == name if name else _has_suffix(r, place))]
+    if fitting:
+        return fitting[0]
+    known = ", ".join(f"{' '.join(r.suffixes)} ({r.name})" for r in writers)
+    raise OutputError(
+        str(path), expected=f"a name that ends in {known}", got=repr(name or place.name)
+    )

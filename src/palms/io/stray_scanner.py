@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import csv
-import warnings
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
-from palms.errors import FormatError, InputError, PalmsWarning
-from palms.extraction import DepthFrame, ExtractionSettings, scan_from_depth
+from palms.errors import FormatError, InputError
+from palms.extraction import DepthFrame, ExtractionSettings
 from palms.geometry import FloatArray
-from palms.io.depth_folder import evenly, pixel_size
+from palms.io.depth_images import (
+    DepthOptions,
+    depth_scan,
+    evenly,
+    pixel_size,
+    report_left_out,
+)
 from palms.io.files import read_text
 from palms.io.plane_geometry import read_matrices, read_pose
-from palms.io.planes import session_of
-from palms.io.point_clouds import parse_metres, parse_position
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief, check_array, locating, parse_number
 from palms.scan import Scan
@@ -44,22 +47,15 @@ def read_stray_scanner(
         The folder with ``depth``, ``odometry.csv`` and ``camera_matrix.csv``.
     position : (x, y) or str, optional
         The observation point on the ground, (x, -z) of the session.
-    floor : float, optional
-        Height of the floor; found when left out.
-    settings : ExtractionSettings, optional
-        What counts as a wall.
+    floor, settings
+        As in `palms.io.depth_folder.read_depth_folder`.
 
     Raises
     ------
     InputError
         When something cannot be read, or the images show no wall.
     """
-    frames = _frames(Path(path))
-    with locating(path):
-        scan = scan_from_depth(
-            frames, parse_position(position), floor_m=parse_metres(floor, "floor")
-        )
-        return Scan(scan.walls_m, scan.position_m, scan.coverage_m, session=session_of(path))
+    return depth_scan(_frames(Path(path)), path, DepthOptions(position, floor, settings))
 
 
 def _frames(folder: Path) -> list[DepthFrame]:
@@ -74,13 +70,7 @@ def _frames(folder: Path) -> list[DepthFrame]:
             str(folder), expected="depth images with a row each in odometry.csv",
             got=f"{len(images)} images, {len(poses)} rows, none matching",
         )  # fmt: skip
-    if len(names) < len(images):
-        warnings.warn(
-            f"{folder}: {len(images) - len(names)} of {len(images)} depth images have no row in "
-            "odometry.csv and are left out",
-            PalmsWarning,
-            stacklevel=4,
-        )
+    report_left_out(len(images), len(names), "no row in odometry.csv", folder)
     frames = []
     for name in (names[i] for i in evenly(len(names))):
         depth = _depth(images[name], folder / "confidence" / f"{name}.png")

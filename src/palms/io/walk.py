@@ -113,6 +113,17 @@ class RecordedWalk:
         return tuple(name for name in names if getattr(self, name) is not None)
 
     @property
+    def usual_source(self) -> WalkSource:
+        """The odometry to follow when nobody says which: arkit, else the one that there is.
+
+        Examples
+        --------
+        >>> RecordedWalk.of(Odometry([1, 2], [[1, 0], [2, 0]], source="inertial")).usual_source
+        'ronin'
+        """
+        return self.sources[0]
+
+    @property
     def has_reference(self) -> npt.NDArray[np.bool_]:
         """Which samples (T,) have a reference."""
         return np.asarray(np.isfinite(self.reference_m).all(axis=1))

@@ -6,10 +6,10 @@ from pathlib import Path
 
 from palms.errors import FormatError
 from palms.geometry import FloatArray
-from palms.io.plane_geometry import read_vector, word_of
+from palms.io.plane_geometry import read_polygon, word_of
 from palms.io.plane_json import Plane, has_keys, read_planes
 from palms.io.registry import Format
-from palms.io.values import StrPath, brief, check_array
+from palms.io.values import StrPath
 from palms.scan import Scan
 
 __all__ = ["FORMAT", "read_webxr_planes"]
@@ -68,11 +68,7 @@ def _matrix(plane: Plane, what: str) -> object:
 
 
 def _corners(plane: Plane, what: str) -> FloatArray:
-    polygon = plane.get("polygon")
-    if not isinstance(polygon, list) or len(polygon) < 2:
-        raise FormatError(f"{what}, polygon", expected="points x, y, z", got=brief(polygon))
-    listed = [read_vector(point, f"{what}, polygon").tolist() for point in polygon]
-    return check_array(listed, f"{what}, polygon", (None, 3))
+    return read_polygon(plane.get("polygon"), f"{what}, polygon", "points x, y, z")
 
 
 def _recognizes(path: Path) -> bool:

@@ -36,6 +36,7 @@ from palms.plot.style import (
     truth_entry,
     truth_mark,
 )
+from palms.posterior import Posterior
 from palms.scan import Scan
 
 __all__ = ["draw_scan", "pipeline_figure"]
@@ -49,7 +50,7 @@ _HATCHED = 0.25  # of the template's bound: emptier cells are hatched, to be tol
 @styled
 def pipeline_figure(
     heatmaps: ScoreMaps,
-    candidates: Candidates,
+    candidates: Candidates | Posterior,
     particles: Particles | None = None,
     truth_m: npt.ArrayLike | None = None,
 ) -> Figure:
@@ -59,7 +60,7 @@ def pipeline_figure(
     ----------
     heatmaps : Heatmaps or Likelihoods
         With more than four drifts, the best one of each quarter of the circle is shown.
-    candidates : Candidates
+    candidates : Candidates or Posterior
         Found in these heatmaps.
     particles : Particles, optional
         The start; evenly chosen candidate cells when left out.
@@ -269,7 +270,7 @@ def _shrunk(scores: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
 
 def _particles_panel(
     axes: Axes,
-    candidates: Candidates,
+    candidates: Candidates | Posterior,
     start: tuple[Particles | None, FloatArray | None, ScoreMaps],
 ) -> None:
     particles, truth, heatmaps = start

@@ -16,6 +16,7 @@ from palms.localizer import Track
 from palms.observation import likelihoods
 from palms.odometry import Odometry
 from palms.plot.recorder import Recorder, Snapshot
+from palms.posterior import Posterior
 from palms.raster import PlanRaster
 from palms.scan import Scan
 from palms.settings import Settings
@@ -35,7 +36,7 @@ class Story:
     recorder : Recorder
         The one that watched the track being made.
     scan : Scan, optional
-    candidates : Candidates, optional
+    candidates : Candidates or Posterior, optional
         What the scan alone said.
     truth_m : array_like (T, 2), optional
         True positions at the odometry's times, map frame; NaN where unknown.
@@ -65,7 +66,7 @@ class Story:
     track: Track
     recorder: Recorder
     scan: Scan | None = None
-    candidates: Candidates | None = None
+    candidates: Candidates | Posterior | None = None
     truth_m: FloatArray | None = None
     scan_truth_m: FloatArray | None = None
     settings: Settings = field(default_factory=Settings)

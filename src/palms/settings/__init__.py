@@ -16,7 +16,12 @@ from palms.settings.groups import (
     StartSettings,
     TemplateSettings,
 )
-from palms.settings.ours import DeclarationSettings, ObservationSettings, ResamplingSettings
+from palms.settings.ours import (
+    DeclarationSettings,
+    LevelSettings,
+    ObservationSettings,
+    ResamplingSettings,
+)
 from palms.settings.presets import METHODS, Settings
 
 __all__ = [
@@ -26,6 +31,7 @@ __all__ = [
     "CandidateSettings",
     "ConvergenceSettings",
     "DeclarationSettings",
+    "LevelSettings",
     "Limits",
     "MotionSettings",
     "ObservationSettings",

@@ -181,8 +181,6 @@ class StartSettings:
     orientation_moves : int
         First moves that give Uniform + Ori its theta (paper IV-B "the first few
         tracking points"; 8 is ours).
-    n_proposals : int
-        Poses that are judged one by one before particles are drawn from them (ours).
     spare_share : float
         Share of the particles that starts anywhere, so that a scan of what the plan does not
         show loses nothing; how much they weigh is `ObservationSettings.elsewhere` (ours).
@@ -192,7 +190,6 @@ class StartSettings:
     n_particles: int = 2000
     orientation_from: Literal["plan", "axes"] = "plan"
     orientation_moves: int = 8
-    n_proposals: int = 60_000
     spare_share: float = 0.5
 
     def __post_init__(self) -> None:
@@ -200,7 +197,6 @@ class StartSettings:
             "start",
             n_particles=(1 <= self.n_particles <= 5_000_000, "1 to 5,000,000", self.n_particles),
             orientation_moves=(self.orientation_moves >= 1, "at least 1", self.orientation_moves),
-            n_proposals=(self.n_proposals >= 1, "at least 1", self.n_proposals),
             spare_share=(0 <= self.spare_share < 1, "0 to below 1", self.spare_share),
         )
 

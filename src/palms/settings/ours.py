@@ -7,7 +7,7 @@ from typing import Literal
 
 from palms.settings.checks import check
 
-__all__ = ["DeclarationSettings", "ObservationSettings", "ResamplingSettings"]
+__all__ = ["DeclarationSettings", "LevelSettings", "ObservationSettings", "ResamplingSettings"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,18 +17,28 @@ class ObservationSettings:
     Parameters
     ----------
     wall_sd_m : float
-        How far a seen wall lies from the plan's, standard deviation (ours, fitted).
+        How far a metre of seen wall lies from its wall, standard deviation (ours, fitted).
+    offset_sd_m, far_offset_sd_m : float
+        How far a wall lies off as a whole, standard deviations: of most walls, and of walls
+        that were moved or badly drawn (ours, fitted).
+    far_offset_share : float
+        Share of the latter (ours, fitted).
+    unplanned_share : float
+        Probability that the plan does not have a seen wall at all (ours, fitted).
     unexplained_share : float
-        Share of a scan's metres of wall that the plan does not have (ours, fitted).
+        Share of the metres of a wall that lie elsewhere than the plan has them (ours, fitted).
     empty_nats_per_m : float
         What a metre of the plan's wall costs where the scan proves empty space (ours, fitted).
+    missing_share : float
+        Probability that a wall of the plan does not stand; it bounds what one wall may cost
+        (ours, fitted).
     empty_margin_m : float
-        Proven empty space ends so far before the wall that was seen (ours).
+        Proven empty space ends so far before the wall that was seen (ours, fitted).
     empty_range_m : float
         It reaches no farther than this (ours).
     strength : float
-        All of it is raised to this power, because the metres of one wall are not independent
-        (ours, fitted).
+        All of it is raised to this power, because errors of walls are not independent (ours,
+        fitted).
     elsewhere : float
         Probability that the plan does not show the scan's surroundings at all; so much of
         the belief starts anywhere (ours, fitted).
@@ -39,47 +49,85 @@ class ObservationSettings:
     drift_share : float
         Drifts whose walls agree in direction less than this share of the best drift's are
         not tried (ours).
+    search_sd_m, search_share, search_empty_nats_per_m : float
+        As `wall_sd_m`, `unexplained_share` and `empty_nats_per_m`, for the search over the
+        whole building, in which each metre errs by itself (ours, fitted).
+    search_power : float
+        Poses are proposed by the search's likelihood raised to this power (ours, fitted).
+    search_nats : float
+        Cells that fall short of the best by more than this are dropped (ours).
     cell_size_m : float
-        Of the search; the poses drawn from it are judged one by one (ours).
+        Of the search (ours).
     max_cells : int
         Larger buildings are searched with larger cells (ours).
-    keep_nats : float
-        Cells that fall short of the best by more than this are dropped (ours).
     max_candidates : int
         So many cells are kept at the most (ours).
+    n_proposals : int
+        Poses that are judged one by one (ours).
+    keep_nats : float
+        Poses that fall short of the best by more than this are dropped (ours).
     """
 
-    wall_sd_m: float = 0.12
+    wall_sd_m: float = 0.05
+    offset_sd_m: float = 0.06
+    far_offset_sd_m: float = 0.25
+    far_offset_share: float = 0.3
+    unplanned_share: float = 0.05
     unexplained_share: float = 0.05
-    empty_nats_per_m: float = 3.0
-    empty_margin_m: float = 0.3
+    empty_nats_per_m: float = 5.0
+    missing_share: float = 0.05
+    empty_margin_m: float = 0.2
     empty_range_m: float = 8.0
-    strength: float = 0.8
+    strength: float = 0.9
     elsewhere: float = 0.1
     spacing_m: float = 0.2
     drift_step_rad: float = 0.08726646259971647
     drift_share: float = 0.1
+    search_sd_m: float = 0.2
+    search_share: float = 0.1
+    search_empty_nats_per_m: float = 2.0
+    search_power: float = 0.3
+    search_nats: float = 40.0
     cell_size_m: float = 0.2
     max_cells: int = 1_000_000
+    max_candidates: int = 200_000
+    n_proposals: int = 60_000
     keep_nats: float = 14.0
-    max_candidates: int = 100_000
 
     def __post_init__(self) -> None:
         check(
             "observation",
             wall_sd_m=(0 < self.wall_sd_m <= 2, "above 0, at most 2 m", self.wall_sd_m),
+            offset_sd_m=(0 < self.offset_sd_m <= 2, "above 0, at most 2 m", self.offset_sd_m),
+            far_offset_sd_m=(
+                0 < self.far_offset_sd_m <= 2, "above 0, at most 2 m", self.far_offset_sd_m
+            ),
+            far_offset_share=(0 <= self.far_offset_share <= 1, "0 to 1", self.far_offset_share),
+            unplanned_share=(
+                0 < self.unplanned_share < 1, "between 0 and 1", self.unplanned_share
+            ),
             unexplained_share=(
                 0 < self.unexplained_share < 1, "between 0 and 1", self.unexplained_share
             ),
             empty_nats_per_m=(self.empty_nats_per_m >= 0, "0 or more", self.empty_nats_per_m),
+            missing_share=(0 < self.missing_share < 1, "between 0 and 1", self.missing_share),
             strength=(0 < self.strength <= 1, "above 0, at most 1", self.strength),
             elsewhere=(0 <= self.elsewhere < 1, "0 to below 1", self.elsewhere),
             spacing_m=(0.01 <= self.spacing_m <= 1, "0.01 to 1 m", self.spacing_m),
             drift_step_rad=(
                 0.005 <= self.drift_step_rad <= 0.8, "0.005 to 0.8 rad", self.drift_step_rad
             ),
+            search_sd_m=(0 < self.search_sd_m <= 2, "above 0, at most 2 m", self.search_sd_m),
+            search_share=(0 < self.search_share < 1, "between 0 and 1", self.search_share),
+            search_empty_nats_per_m=(
+                self.search_empty_nats_per_m >= 0, "0 or more", self.search_empty_nats_per_m
+            ),
+            search_power=(0 < self.search_power <= 1, "above 0, at most 1", self.search_power),
+            search_nats=(self.search_nats > 0, "above 0", self.search_nats),
             cell_size_m=(0.02 <= self.cell_size_m <= 2, "0.02 to 2 m", self.cell_size_m),
             max_candidates=(self.max_candidates >= 1, "at least 1", self.max_candidates),
+            n_proposals=(self.n_proposals >= 1, "at least 1", self.n_proposals),
+            keep_nats=(self.keep_nats > 0, "above 0", self.keep_nats),
         )  # fmt: skip
 
 
@@ -193,3 +241,27 @@ class DeclarationSettings:
             search_share=(0 <= self.search_share < 1, "0 to below 1", self.search_share),
             search_every_m=(self.search_every_m > 0, "above 0 m", self.search_every_m),
         )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class LevelSettings:
+    """How people get from level to level of a building.
+
+    Parameters
+    ----------
+    climb_per_s : float
+        How soon somebody on stairs or in a lift has left the level, a rate (ours).
+    reach_m : float
+        Stairs count for so much around their outline, since plans and answers err; more than
+        a corridor's half width would let people climb who only pass by (ours).
+    """
+
+    climb_per_s: float = 0.15
+    reach_m: float = 0.3
+
+    def __post_init__(self) -> None:
+        check(
+            "levels",
+            climb_per_s=(self.climb_per_s >= 0, "0 or more per second", self.climb_per_s),
+            reach_m=(0 <= self.reach_m <= 50, "0 to 50 m", self.reach_m),
+        )

@@ -15,7 +15,12 @@ from palms.settings.groups import (
     StartSettings,
     TemplateSettings,
 )
-from palms.settings.ours import DeclarationSettings, ObservationSettings, ResamplingSettings
+from palms.settings.ours import (
+    DeclarationSettings,
+    LevelSettings,
+    ObservationSettings,
+    ResamplingSettings,
+)
 
 __all__ = ["METHODS", "Settings"]
 
@@ -26,12 +31,13 @@ _START = StartSettings(source="posterior", n_particles=30_000)
 _RESAMPLING = ResamplingSettings("adaptive")
 _DECLARATION = DeclarationSettings("probability")
 _VIO = MotionSettings(
-    length_m=0.024, direction_rad=0.037, drift_rad=0.0, drift_rad_per_sqrt_s=0.0045,
-    jitter_m=0.0, hit_weight=0.03, scale_sd=0.03,
+    length_m=0.014, direction_rad=0.022, drift_rad=0.0, drift_rad_per_sqrt_s=0.0022,
+    jitter_m=0.0, hit_weight=0.03, scale_sd=0.02,
 )  # fmt: skip
 _INERTIAL = replace(
-    _VIO, direction_rad=0.08, drift_rate_rad_per_s=0.0024, scale_sd=0.09, scale_per_sqrt_m=0.03
-)
+    _VIO, length_m=0.024, direction_rad=0.08, drift_rad_per_sqrt_s=0.0045,
+    drift_rate_rad_per_s=0.0024, scale_sd=0.09, scale_per_sqrt_m=0.03,
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +52,7 @@ class Settings:
         Name of the method, one of `METHODS`.
     raster, template, candidates, start, motion, convergence, answer
         The groups of the paper's method; ours leaves out template, candidates and convergence.
-    observation, resampling, declaration
+    observation, resampling, declaration, levels
         The groups of ours.
     inertial : MotionSettings
         In place of `motion` where the odometry is inertial; the paper has one for both.
@@ -72,6 +78,7 @@ class Settings:
     observation: ObservationSettings = field(default_factory=ObservationSettings)
     resampling: ResamplingSettings = _RESAMPLING
     declaration: DeclarationSettings = _DECLARATION
+    levels: LevelSettings = field(default_factory=LevelSettings)
     inertial: MotionSettings = _INERTIAL
 
     @classmethod
@@ -143,6 +150,11 @@ class Settings:
             raise SettingsError("method", expected="one of " + ", ".join(METHODS), got=repr(name))
         preset: Settings = presets[name]()
         return preset
+
+    @property
+    def is_ours(self) -> bool:
+        """Whether the method takes scans at any time, hints and levels."""
+        return self.declaration.rule == "probability"
 
     def motion_for(self, source: Literal["vio", "inertial"]) -> MotionSettings:
         """Return the motion settings for a kind of odometry."""

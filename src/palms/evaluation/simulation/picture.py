@@ -86,5 +86,5 @@ def _panel(site: Site, case: SimulatedCase, time_s: float) -> int:
 
 def _title(site: Site, case: SimulatedCase) -> str:
     walls, recorded = len(case.scans[0].walls_m), case.recorded
-    length = recorded.odometry(recorded.sources[0]).walked_m[-1]
+    length = recorded.odometry(recorded.usual_source).walked_m[-1]
     return f"{site.name}, {case.name}: {walls} walls seen, walk of {length:.0f} m"

@@ -1,24 +1,24 @@
-"""Localizer for a live stream, track() for a recording: the method from end to end."""
+"""The localizer: a scan, then move by move, from end to end."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
 
 from palms.belief import Belief, Estimate, Stage, settle, summarize
+from palms.building import Building
 from palms.declaration import evidence_of, judge
 from palms.errors import InputError
 from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
 from palms.heatmap import Candidates, find_candidates, match, scan_drifts
 from palms.hints import Hint
-from palms.observation import scan_points, search
-from palms.odometry import Move, Odometry
+from palms.levels import climbed, on_levels
+from palms.odometry import Move
 from palms.orientation import candidate_drifts, principal_orientation, smallest_alignment
 from palms.particles import (
     MoveInfo,
@@ -30,156 +30,39 @@ from palms.particles import (
     with_scales,
 )
 from palms.population import adapted, start_posterior
+from palms.posterior import Posterior, posterior
 from palms.randomness import RandomKey, as_key
 from palms.raster import PlanRaster, rasterize
 from palms.recovery import Conditions, Sighting, carried, look_again, look_elsewhere, take_hint
 from palms.scan import Scan
 from palms.settings import Settings
 
-__all__ = ["Localizer", "Track", "Watcher", "locate", "track", "track_trials"]
+__all__ = ["Localizer", "Watcher", "ground", "locate"]
 
 Watcher = Callable[[Estimate, Belief, MoveInfo], None]
 _START = 0  # key of the start; step i has key i + 1
-_SEARCH, _SCAN, _ADAPT, _HINT = 21, 22, 23, 24  # purposes of random numbers
-
-
-@dataclass(frozen=True)
-class Track:
-    """The answers along a recorded walk.
-
-    Parameters
-    ----------
-    seed : int or None
-        The seed, where a seed was given.
-    estimates : tuple of Estimate
-        One for each sample of the odometry.
-
-    Examples
-    --------
-    >>> Track(0, (Estimate(0.5), Estimate(1.0))).localized_at_s is None
-    True
-    """
-
-    seed: int | None
-    estimates: tuple[Estimate, ...]
-
-    def __len__(self) -> int:
-        return len(self.estimates)
-
-    def __iter__(self) -> Iterator[Estimate]:
-        return iter(self.estimates)
-
-    @property
-    def oriented_at_s(self) -> float | None:
-        """t1: when it was first oriented, or localized; None when never."""
-        return self._first(Stage.ORIENTED, Stage.LOCALIZED)
-
-    @property
-    def localized_at_s(self) -> float | None:
-        """t2: when it was first localized; None when never."""
-        return self._first(Stage.LOCALIZED)
-
-    @property
-    def position_m(self) -> FloatArray:
-        """Answers (T, 2); NaN where there was none."""
-        none = np.full(2, np.nan)
-        return np.array([none if e.position_m is None else e.position_m for e in self.estimates])
-
-    def _first(self, *stages: Stage) -> float | None:
-        return next((e.time_s for e in self.estimates if e.stage in stages), None)
+_SEARCH, _SCAN, _ADAPT, _HINT, _CLIMB = 21, 22, 23, 24, 25  # purposes of random numbers
 
 
 def locate(
-    plan: FloorPlan | PlanRaster, scan: Scan, settings: Settings | None = None
-) -> Candidates:
+    plan: FloorPlan | PlanRaster | Building, scan: Scan, settings: Settings | None = None
+) -> Candidates | Posterior:
     """Return where one scan alone may have been taken (paper III-A to III-C, or ours).
 
     Parameters
     ----------
-    plan : FloorPlan or PlanRaster
-        A raster is reused, with its cached transform.
+    plan : FloorPlan, PlanRaster or Building
+        A raster is reused, with its cached transform. The places of a building of several
+        levels are those of its atlas.
     scan : Scan
     settings : Settings, optional
     """
     settings = settings or Settings()
-    raster = _raster(plan, settings)
+    raster = ground(plan, settings)
     if settings.start.source == "posterior":
-        return search(scan, raster, settings.observation)
+        return posterior(scan, raster, settings.observation)
     drifts_rad = scan_drifts(scan, raster, settings)
     return find_candidates(match(scan, raster, drifts_rad, settings.template), settings.candidates)
-
-
-def track(
-    plan: FloorPlan | PlanRaster,
-    scan: Scan | None,
-    odometry: Odometry,
-    settings: Settings | None = None,
-    rng: int | np.random.Generator | RandomKey = 0,
-    watch: Watcher | None = None,
-) -> Track:
-    """Follow a recorded walk through a plan (paper III).
-
-    Parameters
-    ----------
-    plan : FloorPlan or PlanRaster
-    scan : Scan or None
-        Taken where the walk begins. None for the methods that start everywhere.
-    odometry : Odometry
-    settings : Settings, optional
-        `Settings()` when left out.
-    rng : int, Generator or RandomKey
-        Same seed, same answer.
-    watch : callable, optional
-        Receives (estimate, belief, info) after each move.
-
-    Returns
-    -------
-    Track
-        One estimate for each sample of the odometry.
-    """
-    settings = settings or Settings()
-    raster = _raster(plan, settings)
-    localizer = Localizer(raster, settings, rng, odometry.frame == "own", watch, odometry.source)
-    if scan is not None and settings.start.by_scan:
-        localizer.observe(scan, odometry.start_m)
-    estimates = tuple(localizer.move(move) for move in odometry.moves())
-    return Track(int(rng) if isinstance(rng, (int, np.integer)) else None, estimates)
-
-
-def track_trials(
-    plan: FloorPlan | PlanRaster,
-    scan: Scan | None,
-    odometry: Odometry,
-    settings: Settings,
-    seeds: Sequence[int],
-    jobs: int = 1,
-) -> Iterator[Track]:
-    """Yield one track for each seed, in order; heatmaps are made once.
-
-    Parameters
-    ----------
-    plan, scan, odometry, settings
-        As for `track`.
-    seeds : sequence of int
-    jobs : int
-        Threads; the tracks do not depend on it.
-    """
-    raster = _raster(plan, settings)
-    needs_scan = scan is not None and settings.start.by_scan
-    candidates = locate(raster, scan, settings) if scan is not None and needs_scan else None
-
-    def follow(seed: int) -> Track:
-        own = odometry.frame == "own"
-        localizer = Localizer(raster, settings, seed, own, source=odometry.source)
-        if candidates is not None and scan is not None:
-            localizer.start(candidates, scan, odometry.start_m)
-        return Track(seed, tuple(localizer.move(move) for move in odometry.moves()))
-
-    if jobs == 1:
-        yield from map(follow, seeds)
-        return
-    with ThreadPoolExecutor(jobs) as pool:
-        yield from pool.map(follow, seeds)
 
 
 class Localizer:
@@ -187,7 +70,7 @@ class Localizer:
 
     Parameters
     ----------
-    plan : FloorPlan or PlanRaster
+    plan : FloorPlan, PlanRaster or Building
     settings : Settings, optional
     rng : int, Generator or RandomKey
         Same seed and same inputs, same answers as `track`.
@@ -203,7 +86,10 @@ class Localizer:
     estimate : Estimate
         The latest answer.
     belief : Belief or None
-        What it rests on; None before there is any.
+        What it rests on; None before there is any. In a building of several levels its places
+        are those of the building's atlas.
+    atlas : Atlas or None
+        None where there is one level.
 
     Examples
     --------
@@ -218,7 +104,7 @@ class Localizer:
 
     def __init__(
         self,
-        plan: FloorPlan | PlanRaster,
+        plan: FloorPlan | PlanRaster | Building,
         settings: Settings | None = None,
         rng: int | np.random.Generator | RandomKey = 0,
         own_frame: bool = False,
@@ -226,7 +112,8 @@ class Localizer:
         source: Literal["vio", "inertial"] = "vio",
     ) -> None:
         self.settings = settings or Settings()
-        self.raster = _raster(plan, self.settings)
+        self.raster = ground(plan, self.settings)
+        self.atlas = plan.atlas if isinstance(plan, Building) and len(plan.levels) > 1 else None
         self.estimate = Estimate(0.0)
         self.belief: Belief | None = None
         self._key = as_key(rng)
@@ -235,7 +122,7 @@ class Localizer:
         self._heading: float | None = None
         self._waiting: list[Move] = []
         motion = self.settings.motion_for(source)
-        self._conditions = Conditions(self.raster, self.settings, motion, own_frame)
+        self._conditions = Conditions(self.raster, self.settings, motion, own_frame, self.atlas)
         self._sighting: Sighting | None = None
         self._hints: list[Hint] = []
         self._since_search_m = math.inf
@@ -255,25 +142,26 @@ class Localizer:
             return self.estimate
         return self.start(locate(self.raster, scan, self.settings), scan, at_m)
 
-    def start(self, candidates: Candidates, scan: Scan, at_m: FloatArray | None = None) -> Estimate:
-        """Take a scan whose candidates were found before; see `observe`."""
+    def start(
+        self, found: Candidates | Posterior, scan: Scan, at_m: FloatArray | None = None
+    ) -> Estimate:
+        """Take a scan that `locate` was asked about before; see `observe`."""
         moved_m = np.zeros(2) if at_m is None else np.asarray(at_m, np.float64) - scan.position_m
-        if not self._ours:
+        if isinstance(found, Candidates):
             key = self._key.child(_START)
             return self._begin(
-                carried(start_from(candidates, self._n, key, self._conditions.own_frame), moved_m)
+                carried(start_from(found, self._n, key, self._conditions.own_frame), moved_m)
             )
-        self._sighting = Sighting(candidates, moved_m)
-        points = scan_points(scan, self.settings.observation)
+        self._sighting = Sighting(found, moved_m)
         if self.belief is None:
             particles = start_posterior(
-                candidates, points, self.raster, self.settings, self._key.child(_START),
+                found, self.raster, self.settings, self._key.child(_START),
                 self._conditions.own_frame,
             )  # fmt: skip
             return self._begin(carried(particles, moved_m))
         self._step += 1
         key = self._key.child(self._step, _SCAN)
-        self.belief = look_again(self.belief, self._sighting, points, self._conditions, key)
+        self.belief = look_again(self.belief, self._sighting, self._conditions, key)
         self.estimate = self._summary(self.estimate.time_s)
         return self.estimate
 
@@ -287,10 +175,12 @@ class Localizer:
         hint : Hint
             Such as the entrance that one came in by, or a room sign just read.
         """
-        if not self._ours:
+        if not self.settings.is_ours:
             return self.estimate
         if self.belief is None:
-            hint.ratio(np.zeros((1, 2)), self.raster)  # one that cannot be used is said at once
+            hint.ratio(
+                np.zeros((1, 2)), self.raster, self.atlas
+            )  # one that cannot be used is said at once
             self._hints.append(hint)
             return self.estimate
         self._step += 1
@@ -314,16 +204,13 @@ class Localizer:
     def _n(self) -> int:
         return self.settings.start.n_particles
 
-    @property
-    def _ours(self) -> bool:
-        return self.settings.declaration.rule == "probability"
-
     def _begin(self, particles: Particles) -> Estimate:
         particles = with_scales(particles, self._conditions.motion, self._key.child(_START))
         self.belief = Belief(particles)
-        if self._ours:
+        if self.settings.is_ours:
             for hint in self._hints:
-                particles, _ = reweight(particles, hint.ratio(particles.position_m, self.raster))
+                ratio = hint.ratio(particles.position_m, self.raster, self.atlas)
+                particles, _ = reweight(particles, ratio)
             self._hints.clear()
             declaration = self.settings.declaration
             unsure = replace(self.belief, doubt=declaration.doubt_at_start)
@@ -333,7 +220,8 @@ class Localizer:
 
     def _summary(self, time_s: float) -> Estimate:
         assert self.belief is not None
-        return summarize(self.belief, time_s, self._heading, self.settings.answer)
+        estimate = summarize(self.belief, time_s, self._heading, self.settings.answer)
+        return estimate if self.atlas is None else on_levels(estimate, self.belief, self.atlas)
 
     def _take(self, move: Move) -> Estimate:
         self._step += 1
@@ -349,7 +237,10 @@ class Localizer:
             self.belief.particles, move, self.raster, self._conditions.motion, key,
             self.settings.resampling,
         )  # fmt: skip
-        if self._ours:
+        if self.settings.is_ours:
+            if self.atlas is not None:
+                levels, seconds = self.settings.levels, move.duration_s
+                particles = climbed(particles, self.atlas, seconds, levels, key.child(_CLIMB))
             self.belief = self._weigh(particles, move, info, key)
         else:
             self.belief = settle(self.belief, particles, move, self.settings.convergence, key)
@@ -395,5 +286,10 @@ class Localizer:
         return self.estimate
 
 
-def _raster(plan: FloorPlan | PlanRaster, settings: Settings) -> PlanRaster:
-    return plan if isinstance(plan, PlanRaster) else rasterize(plan, settings.raster)
+def ground(plan: FloorPlan | PlanRaster | Building, settings: Settings) -> PlanRaster:
+    """Return the cells that a method walks on; those of a building's atlas are made once."""
+    if isinstance(plan, PlanRaster):
+        return plan
+    if isinstance(plan, FloorPlan):
+        return rasterize(plan, settings.raster)
+    return plan.atlas.raster(settings.raster)

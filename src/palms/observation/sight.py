@@ -1,0 +1,157 @@
+"""A plan as a scanner would see it, in cells; made once and kept with the raster."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy import ndimage
+
+from palms._compiled import raster as cells
+from palms.floorplan import SegmentClass
+from palms.geometry import FloatArray, as_readonly
+from palms.grid import Grid
+from palms.raster import PlanRaster
+from palms.settings import ObservationSettings
+
+__all__ = ["Blurred", "Field", "Sight", "blurred", "see"]
+
+OF_CLASS = {  # ours: what a wall of a class may explain, and what it counts in empty space
+    SegmentClass.WALL: (1.0, 1.0),
+    SegmentClass.DOOR: (0.5, 0.0),  # shut or open
+    SegmentClass.GLASS: (0.5, 0.2),  # seldom seen
+}
+
+Field = npt.NDArray[np.float32]
+
+
+@dataclass(frozen=True, slots=True)
+class Sight:
+    """A plan for poses to be judged one by one.
+
+    Parameters
+    ----------
+    grid : Grid
+    support : (R, C) float32
+        Log likelihood ratio, in nats per metre of seen wall, against a wall that the plan
+        does not have; 0 far from walls.
+    metres : (R, C) float32
+        Metres of wall per square metre, as they count where space is seen empty.
+    wall : (R, C) int32
+        Number of the wall that they belong to; -1 where there is none.
+    n_walls : int
+    """
+
+    grid: Grid
+    support: Field
+    metres: Field
+    wall: npt.NDArray[np.int32]
+    n_walls: int
+
+    @property
+    def frame(self) -> FloatArray:
+        """What the loops need: x and y of the corner, cells per metre."""
+        return np.array([*self.grid.origin_m, 1 / self.grid.cell_size_m])
+
+
+@dataclass(frozen=True, slots=True)
+class Blurred:
+    """A plan for whole maps: coarser cells, and walls as wide as the plan may err.
+
+    Parameters
+    ----------
+    grid : Grid
+    support, metres : (R, C) float32
+        As in `Sight`.
+    """
+
+    grid: Grid
+    support: Field
+    metres: Field
+
+
+def see(raster: PlanRaster, settings: ObservationSettings) -> Sight:
+    """Return the plan for poses to be judged; kept with the raster.
+
+    Parameters
+    ----------
+    raster : PlanRaster
+    settings : ObservationSettings
+    """
+    key = ("sight", settings.wall_sd_m, settings.unexplained_share)
+    if key not in raster.sights:
+        support, metres = _fields(raster, settings.wall_sd_m, settings.unexplained_share)
+        wall, n_walls = _walls(raster, metres)
+        raster.sights[key] = Sight(
+            raster.grid, as_readonly(support, np.float32), as_readonly(metres, np.float32), wall,
+            n_walls,
+        )  # fmt: skip
+    sight: Sight = raster.sights[key]
+    return sight
+
+
+def blurred(raster: PlanRaster, settings: ObservationSettings, coarse: int = 1) -> Blurred:
+    """Return the plan for whole maps; kept with the raster.
+
+    Parameters
+    ----------
+    raster : PlanRaster
+    settings : ObservationSettings
+    coarse : int
+        Cells of the raster along a side of a cell. The walls are then blurred by half a cell
+        more, since the true place lies anywhere within it.
+    """
+    key = ("blurred", settings.search_sd_m, settings.search_share, coarse)
+    if key not in raster.sights:
+        cell = raster.grid.cell_size_m
+        sd = settings.search_sd_m if coarse == 1 else math.hypot(
+            settings.search_sd_m, 0.5 * coarse * cell
+        )  # fmt: skip
+        support, metres = _fields(raster, sd, settings.search_share)
+        shape = (-(-raster.grid.shape[0] // coarse), -(-raster.grid.shape[1] // coarse))
+        grid = Grid(raster.grid.origin_m, coarse * cell, shape)
+        raster.sights[key] = Blurred(grid, _means(support, coarse), _means(metres, coarse))
+    field: Blurred = raster.sights[key]
+    return field
+
+
+def _fields(raster: PlanRaster, sd: float, rare: float) -> tuple[Field, Field]:
+    """Support and metres, cell by cell."""
+    grid = raster.grid
+    support, counted = (np.zeros(grid.shape, np.float32) for _ in range(2))
+    for kind, (explains, counts) in OF_CLASS.items():
+        segments = raster.plan.of_class(kind)
+        if not len(segments):
+            continue
+        metres = np.zeros(grid.shape, np.float32)
+        flat = np.ascontiguousarray((segments - grid.origin_m).reshape(-1, 4))
+        cells.add_lengths(flat, np.ones(len(flat)), grid.cell_size_m, True, metres)
+        away = ndimage.distance_transform_edt(metres <= 0) * grid.cell_size_m
+        near = explains * (1 - rare) * np.exp(-0.5 * (away / sd) ** 2) + rare
+        np.maximum(support, np.log(near / rare), out=support)
+        counted += counts * np.minimum(metres, math.sqrt(2)) / grid.cell_size_m
+    return support, counted
+
+
+def _walls(raster: PlanRaster, metres: Field) -> tuple[npt.NDArray[np.int32], int]:
+    """Return the number of the wall in each cell, -1 for none, and how many walls there are."""
+    plan, grid = raster.plan, raster.grid
+    counting = [plan.of_class(kind) for kind, (_, counts) in OF_CLASS.items() if counts > 0]
+    segments = np.concatenate(counting)
+    wall = np.full(grid.shape, -1, np.int32)
+    flat = np.ascontiguousarray((segments - grid.origin_m).reshape(-1, 4))
+    cells.number(flat, grid.cell_size_m, wall)
+    wall[metres <= 0] = -1
+    return as_readonly(wall, np.int32), len(segments)
+
+
+def _means(field: Field, k: int) -> Field:
+    """Means of blocks of k x k cells; beyond the border there is nothing."""
+    rows, columns = (-(-n // k) for n in field.shape)
+    padded = np.pad(field, [(0, rows * k - field.shape[0]), (0, columns * k - field.shape[1])])
+    mean: Field = as_readonly(
+        padded.reshape(rows, k, columns, k).mean(axis=(1, 3)), np.float32
+    )  # fmt: skip
+    return mean
