@@ -7,7 +7,7 @@ import pytest
 
 from palms.errors import InputError
 from palms.floorplan import SegmentClass
-from palms.io import FLOORPLANS, choose_format, read_any
+from palms.io import FLOORPLANS, choose_format, read_any, read_building
 from palms.io.plan_ifc import read_plan_ifc
 from tests.io.floors import load_tool
 
@@ -170,6 +170,20 @@ def test_storeys_are_listed_and_chosen(put, says):
     says(caught.value, "'9'")
     with pytest.raises(InputError, match="at least one wall"):
         read_plan_ifc(path, level="Roof")
+
+
+def test_all_storeys_with_walls_are_a_building(put):
+    house = House().storey("Roof", 6000.0).storey("First floor", 3000.0).storey("Cellar", -2800.0)
+    house.storey("Ground", 0.0)
+    house.box("Ground")
+    house.box("Cellar", 2700.0)
+    house.put("IFCWALL", "First floor", (4000, 0), (8200, THICK), "$", "$")
+    levels = read_building(put("a.ifc", house.text()))
+    assert [(each.name, each.ordinal) for each in levels] == [
+        ("Cellar", -1.0), ("Ground", 0.0), ("First floor", 1.0)
+    ]  # fmt: skip
+    assert levels[1].plan.size_m == pytest.approx([8.2, 5.2])
+    assert levels[2].plan.size_m == pytest.approx([8.2, 0.2])
 
 
 def test_a_wall_from_below_reaches_up(put):

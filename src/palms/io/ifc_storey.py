@@ -15,7 +15,7 @@ from palms.errors import FormatError, InputError
 from palms.geometry import FloatArray
 from palms.io.values import brief
 
-__all__ = ["Ring", "Storey", "load_storey"]
+__all__ = ["Ring", "Storey", "load_storeys"]
 
 _SOLIDS = ("IfcWall", "IfcColumn", "IfcCurtainWall", "IfcPlate", "IfcMember")
 _FILLINGS = ("IfcDoor", "IfcWindow")
@@ -45,6 +45,8 @@ class Storey(NamedTuple):
     Parameters
     ----------
     name, building : str
+    number : int
+        Counted from the lowest above the ground.
     solids, glass : list of Ring
         Outlines of walls and columns, and of curtain walls.
     doors, windows, openings : list of ndarray (4, 2)
@@ -59,6 +61,7 @@ class Storey(NamedTuple):
 
     name: str
     building: str
+    number: int
     solids: list[Ring]
     glass: list[Ring]
     doors: list[FloatArray]
@@ -69,17 +72,19 @@ class Storey(NamedTuple):
     place: tuple[float, float] | None
 
 
-def load_storey(path: str, wanted: str | None, height_m: float) -> Storey:
-    """Cut a storey of a model.
+def load_storeys(path: str, wanted: str | None, height_m: float, every: bool) -> list[Storey]:
+    """Cut a storey of a model, or every one that has walls, from the lowest up.
 
     Parameters
     ----------
     path : str
     wanted : str, optional
         Name, number counted from the lowest above the ground, or GlobalId of the storey; needed
-        where several have walls.
+        where several have walls and not every one is wanted.
     height_m : float
         Of the cut above the storey's floor.
+    every : bool
+        Whether to cut all storeys with walls.
 
     Raises
     ------
@@ -90,7 +95,9 @@ def load_storey(path: str, wanted: str | None, height_m: float) -> Storey:
 
     try:
         model = ifcopenshell.open(path)
-        return _Model(model, path).storey(wanted, height_m)
+        found = _Model(model, path)
+        chosen = found.with_walls() if every else [found.choose(wanted)]
+        return [found.storey(index, height_m) for index in chosen]
     except (InputError, ImportError, MemoryError):
         raise
     except Exception as error:  # the library raises many kinds for damaged models
@@ -120,9 +127,9 @@ class _Model:
             return float(get_local_placement(storey.ObjectPlacement)[2][3]) * self.unit_m
         return float(storey.Elevation or 0.0) * self.unit_m
 
-    def storey(self, wanted: str | None, height_m: float) -> Storey:
-        """Cut the storey that was asked for."""
-        floor_m, storey = self._choose(wanted)
+    def storey(self, index: int, height_m: float) -> Storey:
+        """Cut a storey."""
+        floor_m, storey = self.storeys[index]
         found = list(self._products(self._standing(floor_m), floor_m + height_m + _OFF_M))
         solids = [each for each in found if each.kind not in (*_FILLINGS, *_GLASS)]
         fillings = {
@@ -131,6 +138,7 @@ class _Model:
         }
         return Storey(
             name=_text(storey.Name) or _text(storey.LongName),
+            number=index - self._ground(),
             building=next((_text(b.Name) for b in self.model.by_type("IfcBuilding")), ""),
             solids=[ring for each in solids for ring in each.rings],
             glass=[ring for each in found if each.kind in _GLASS for ring in each.rings],
@@ -140,18 +148,26 @@ class _Model:
             north=self._north(), place=self._place(),
         )  # fmt: skip
 
-    def _choose(self, wanted: str | None) -> tuple[float, Any]:
+    def _ground(self) -> int:
+        """How many storeys lie below the ground."""
+        return sum(elevation < -_FOOT_M for elevation, _ in self.storeys)
+
+    def with_walls(self) -> list[int]:
+        """Which storeys have walls of their own."""
         if not self.storeys:
             raise FormatError(self.what, expected="a model with storeys", got="none")
-        ground = sum(elevation < -_FOOT_M for elevation, _ in self.storeys)
+        return [i for i, (_, storey) in enumerate(self.storeys) if self._has_walls(storey)]
+
+    def choose(self, wanted: str | None) -> int:
+        """Return which storey was asked for, or the only one with walls."""
+        with_walls, ground = self.with_walls(), self._ground()
         names = {
             i: {_text(s.Name), _text(s.LongName), s.GlobalId, str(i - ground)} - {""}
             for i, (_, s) in enumerate(self.storeys)
         }
-        with_walls = [i for i, (_, s) in enumerate(self.storeys) if self._has_walls(s)]
         fitting = [i for i in names if wanted in names[i]] if wanted is not None else with_walls
         if len(fitting) == 1:
-            return self.storeys[fitting[0]]
+            return fitting[0]
         listed = "; ".join(
             f"{_text(s.Name) or 'no name'} (number {i - ground}, at {elevation:.2f} m, "
             f"id {s.GlobalId})"

@@ -6,6 +6,7 @@ segments in the middle of the wall.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,16 +21,18 @@ from palms.geometry import FloatArray, rotate
 from palms.io.apart import require, run_apart
 from palms.io.files import head, read_bytes, sniff
 from palms.io.ifc_storey import Ring, Storey
+from palms.io.levels import LevelPlan, gather_levels
 from palms.io.options import number_option
 from palms.io.plan_csv import plan_name
 from palms.io.plan_parts import PlanParts, check_scale, segments_along
 from palms.io.registry import Format
 from palms.io.values import StrPath, locating
 
-__all__ = ["FORMAT", "read_plan_ifc"]
+__all__ = ["FORMAT", "read_levels_ifc", "read_plan_ifc"]
 
 _KIND = "an IFC model"
 _START, _END = b"ISO-10303-21", b"END-ISO-10303-21"
+_FRAME = Literal["model", "earth"]
 _GAP_M = 0.01  # ours: walls that stand that near to each other touch
 _FINE_M = 0.002  # ours: corners that near to a line are on it
 _REACH_M = 0.3  # ours: half of the thickest wall that a door stands in
@@ -41,7 +44,7 @@ def read_plan_ifc(
     *,
     level: str | None = None,
     height: float = 1.2,
-    frame: Literal["model", "earth"] = "model",
+    frame: _FRAME = "model",
     scale: float = 1.0,
 ) -> FloorPlan:
     """Read one storey of a building from an IFC model.
@@ -67,7 +70,47 @@ def read_plan_ifc(
         When it cannot be read, or the storey is not named and there are several; the message
         lists them.
     """
+    (storey,) = _storeys(path, level, (height, scale), every=False)
+    return _plan(storey, path, frame, scale)
+
+
+def read_levels_ifc(
+    path: StrPath,
+    *,
+    height: float = 1.2,
+    frame: _FRAME = "model",
+    scale: float = 1.0,
+) -> tuple[LevelPlan, ...]:
+    """Read all storeys that have walls, in one frame.
+
+    Parameters
+    ----------
+    path, height, frame, scale
+        As in `read_plan_ifc`.
+
+    Returns
+    -------
+    tuple of LevelPlan
+        From the lowest up; number 0 is the lowest that is not below the ground.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read, or has no storey with walls.
+    """
+    return gather_levels(
+        (each.name, float(each.number), functools.partial(_plan, each, path, frame, scale))
+        for each in _storeys(path, None, (height, scale), every=True)
+    )
+
+
+def _storeys(
+    path: StrPath, level: str | None, cut: tuple[float, float], every: bool
+) -> list[Storey]:
+    """Cut one storey or all; the height of the cut is in metres, its scale those of a unit."""
+    height, scale = cut
     number_option(height, "height", 0.1, 3.0)
+    check_scale(scale, f"{path}, option scale")
     content = read_bytes(path)
     if not content.lstrip().startswith(_START):
         got = sniff(content[:1000]) if content.strip() else "an empty file"
@@ -79,9 +122,14 @@ def read_plan_ifc(
         )  # fmt: skip
     del content
     require("ifcopenshell")
-    check_scale(scale, f"{path}, option scale")
-    arguments = (str(path), level, height / scale)
-    storey: Storey = run_apart("palms.io.ifc_storey:load_storey", arguments, path, _KIND)
+    arguments = (str(path), level, height / scale, every)
+    found: list[Storey] = run_apart("palms.io.ifc_storey:load_storeys", arguments, path, _KIND)
+    if not found:
+        raise FormatError(str(path), expected="a storey with walls", got="none")
+    return found
+
+
+def _plan(storey: Storey, path: StrPath, frame: _FRAME, scale: float) -> FloorPlan:
     turn_rad = math.pi / 2 - math.atan2(storey.north[1], storey.north[0])
     to_earth = frame == "earth" or abs(math.remainder(turn_rad, 2 * math.pi)) < _TURNED_RAD
     with locating(path):
@@ -148,5 +196,6 @@ FORMAT = Format(
     suffixes=(".ifc",),
     recognizes=_recognizes,
     read=read_plan_ifc,
+    read_levels=read_levels_ifc,
     extra="ifc",
 )

@@ -6,9 +6,7 @@ and areas are none. Doors are nodes on them, as wide as they say.
 
 from __future__ import annotations
 
-import math
-import re
-from collections import defaultdict
+import functools
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -20,26 +18,24 @@ from palms.floorplan import FloorPlan, Room, SegmentClass
 from palms.geodesy import Origin
 from palms.geometry import FloatArray
 from palms.io.files import head
+from palms.io.levels import LevelPlan, gather_levels
 from palms.io.options import number_option
+from palms.io.osm_doors import WIDTHS_M, Doors
 from palms.io.osm_elements import Area, OsmFile, load_osm, parse_levels
 from palms.io.plan_csv import plan_name
-from palms.io.plan_parts import PlanParts, cut, middle_line, segments_along
+from palms.io.plan_parts import PlanParts, middle_line, segments_along
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief, locating, parse_number
 from palms.io.xml_events import looks_like
 from palms.repair import merge
 from palms.settings import LIMITS
 
-__all__ = ["FORMAT", "read_plan_osm"]
+__all__ = ["FORMAT", "read_levels_osm", "read_plan_osm"]
 
 _EXPECTED = "OpenStreetMap data with rooms or walls mapped indoors (indoor=room, indoor=wall)"
 _ROOMS = ("room", "hall", "verticalpassage", "elevator", "stairs", "stairwell", "toilets")
 _WALLS = ("wall", "column", "pillar", "shaft")
 _OPEN = ("corridor", "area", "lobby")
-_REACH_M = 0.3  # ours: rooms on both sides of a wall may be drawn so far apart
-_STRAIGHT = math.cos(math.radians(20.0))  # ours: flatter corners are none to a door
-_WIDTHS_M = (0.3, 12.0)  # ours: what a door's width may be
-_UNITS = {"": 1.0, "m": 1.0, "cm": 0.01, "mm": 0.001, "ft": 0.3048, "'": 0.3048}
 Tags = Mapping[str, str]
 
 
@@ -91,38 +87,105 @@ def read_plan_osm(  # noqa: PLR0913
         When it cannot be read, nothing is mapped indoors, or the level is not named and there
         are several; the message lists them.
     """
-    width = number_option(door_width, "door_width", *_WIDTHS_M)
-    file = load_osm(path)
-    shapes = _of_building(_shapes(file), file, building)
-    if not shapes:
-        raise FormatError(str(path), expected=_EXPECTED, got="none")
-    points = np.concatenate([file.lonlat(line) for each in shapes for line in each.lines])
-    if not len(points):
-        raise FormatError(str(path), expected=_EXPECTED, got="ways without their nodes")
-    lon, lat = origin or (round(float(v), 7) for v in (points.min(axis=0) + points.max(axis=0)) / 2)
-    with locating(path):
-        place = Origin(lon, lat)
-    width_m, height_m = np.ptp(place.to_local(points), axis=0).tolist()
-    if max(width_m, height_m) > LIMITS.max_plan_m:
-        raise InputError(
-            str(path), expected=f"one building, at most {LIMITS.max_plan_m:g} m wide",
-            got=f"{width_m:.0f} x {height_m:.0f} m",
-            fix="choose with the option building=NAME or id",
-        )  # fmt: skip
-    chosen = _choose(shapes, level, str(path))
-    here = [each for each in shapes if not each.levels or chosen in each.levels]
-    shells = _shells(file, here)
-    parts = _walls(file, [*here, *(shells if shell else ())], place)
-    bearing = [each for each in here if each.kind in ("wall", "room", "area")]
-    _add_doors(parts, _Doors(file, place, chosen, width), [*bearing, *shells])
-    parts.rooms = list(_rooms(file, here, place, language, str(path)))
-    extent = [each for each in here if each.kind == "level"] or shells
-    if extent:
-        parts.outline_m = place.to_local(file.lonlat(extent[0].lines[0]))[:-1]
-    named = next((_name(each.tags, language) for each in shells), "")
-    label = _label(shapes, chosen, language)
-    plan, _ = merge(parts.build(path, named or plan_name(path), label, place))
-    return plan  # of walls that two rooms share, one is left
+    mapped = _Mapped.of(path, building, origin, _Options(language, shell, door_width))
+    return mapped.plan(_choose(mapped.shapes, level, str(path)))
+
+
+def read_levels_osm(
+    path: StrPath,
+    *,
+    building: str | None = None,
+    language: str | None = None,
+    shell: bool = True,
+    door_width: float = 0.9,
+    origin: tuple[float, float] | None = None,
+) -> tuple[LevelPlan, ...]:
+    """Read all levels of a building, in one frame.
+
+    Parameters
+    ----------
+    path, building, language, shell, door_width, origin
+        As in `read_plan_osm`.
+
+    Returns
+    -------
+    tuple of LevelPlan
+        By the levels' numbers, from the lowest up.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read, or nothing is mapped indoors.
+    """
+    mapped = _Mapped.of(path, building, origin, _Options(language, shell, door_width))
+    return gather_levels(
+        (_label(mapped.shapes, level, language) or "", level or 0.0,
+         functools.partial(mapped.plan, level))
+        for level in (_levels(mapped.shapes) or (None,))
+    )  # fmt: skip
+
+
+class _Options(NamedTuple):
+    """What a user may say of the file; see `read_plan_osm`."""
+
+    language: str | None
+    shell: bool
+    door_width_m: float
+
+
+class _Mapped(NamedTuple):
+    """What a file has mapped indoors of a building, and where its (0, 0) is."""
+
+    path: StrPath
+    file: OsmFile
+    shapes: Sequence[_Shape]
+    place: Origin
+    options: _Options
+
+    @classmethod
+    def of(
+        cls,
+        path: StrPath,
+        building: str | None,
+        origin: tuple[float, float] | None,
+        options: _Options,
+    ) -> _Mapped:
+        """Read a file."""
+        number_option(options.door_width_m, "door_width", *WIDTHS_M)
+        file = load_osm(path)
+        shapes = _of_building(_shapes(file), file, building)
+        if not shapes:
+            raise FormatError(str(path), expected=_EXPECTED, got="none")
+        points = np.concatenate([file.lonlat(line) for each in shapes for line in each.lines])
+        middle = (points.min(axis=0) + points.max(axis=0)) / 2
+        with locating(path):
+            place = Origin(*(origin or (round(float(v), 7) for v in middle)))
+        width_m, height_m = np.ptp(place.to_local(points), axis=0).tolist()
+        if max(width_m, height_m) > LIMITS.max_plan_m:
+            raise InputError(
+                str(path), expected=f"one building, at most {LIMITS.max_plan_m:g} m wide",
+                got=f"{width_m:.0f} x {height_m:.0f} m",
+                fix="choose with the option building=NAME or id",
+            )  # fmt: skip
+        return cls(path, file, shapes, place, options)
+
+    def plan(self, level: float | None) -> FloorPlan:
+        """Return the plan of a level."""
+        language, place = self.options.language, self.place
+        here = [each for each in self.shapes if not each.levels or level in each.levels]
+        shells = _shells(self.file, here)
+        parts = _walls(self.file, [*here, *(shells if self.options.shell else ())], place)
+        bearing = [each for each in here if each.kind in ("wall", "room", "area")]
+        doors = Doors(self.file, place, level, self.options.door_width_m)
+        doors.add_to(parts, [line for each in (*bearing, *shells) for line in each.lines])
+        parts.rooms = list(_rooms(self.file, here, place, language, str(self.path)))
+        extent = [each for each in here if each.kind == "level"] or shells
+        if extent:
+            parts.outline_m = place.to_local(self.file.lonlat(extent[0].lines[0]))[:-1]
+        named = next((_name(each.tags, language) for each in shells), "")
+        label = _label(self.shapes, level, language)
+        plan, _ = merge(parts.build(self.path, named or plan_name(self.path), label, place))
+        return plan  # of walls that two rooms share, one is left
 
 
 def _shapes(file: OsmFile) -> list[_Shape]:
@@ -207,7 +270,7 @@ def _shells(file: OsmFile, here: Sequence[_Shape]) -> list[_Shape]:
 
 def _choose(shapes: Sequence[_Shape], wanted: str | None, what: str) -> float | None:
     """Return the level that was asked for, or the only one, or say which there are."""
-    levels = sorted(set().union(*(each.levels for each in shapes)))
+    levels = _levels(shapes)
     if wanted is None and len(levels) <= 1:
         return levels[0] if levels else None
     found = {
@@ -222,6 +285,10 @@ def _choose(shapes: Sequence[_Shape], wanted: str | None, what: str) -> float | 
         got=f"{len(levels)} levels" if wanted is None else brief(wanted),
         fix="choose with the option level=NUMBER, name, ref or id",
     )  # fmt: skip
+
+
+def _levels(shapes: Sequence[_Shape]) -> list[float]:
+    return sorted(set().union(*(each.levels for each in shapes)))
 
 
 def _level_shapes(shapes: Sequence[_Shape], level: float | None) -> Iterator[_Shape]:
@@ -278,83 +345,6 @@ def _segment_class(shape: _Shape) -> SegmentClass | None:
     return {"door": SegmentClass.DOOR, "window": SegmentClass.GLASS}.get(shape.kind)
 
 
-class _Doors(NamedTuple):
-    """Finds the segments of doors and windows that are nodes of walls."""
-
-    file: OsmFile
-    place: Origin
-    level: float | None
-    width_m: float
-
-    def nodes(self) -> dict[int, tuple[SegmentClass, float]]:
-        """Class and width of the doors and windows of the level."""
-        found = {}
-        for node in self.file.nodes:
-            kind = _door_class(node.tags)
-            levels = parse_levels(node.tags)
-            if kind is not None and (not levels or self.level in levels):
-                found[node.id] = (kind, _width_m(node.tags, self.width_m))
-        return found
-
-    def segment(self, line: Sequence[int], at: int, width_m: float) -> FloatArray | None:
-        """Return the segment (2, 2) of a door at a node of a line; None when it has no room."""
-        ring = line[0] == line[-1]
-        before = line[at - 1] if at else line[-2] if ring else None
-        after = line[at + 1] if at + 1 < len(line) else line[1] if ring else None
-        here = self._point(line[at])
-        near = [ref for ref in (before, after) if ref in self.file.places]
-        arms = [self._point(ref) - here for ref in near if ref is not None]
-        arms = [arm for arm in arms if np.hypot(*arm) > 1e-3]
-        if not arms:
-            return None
-        arms.sort(key=lambda arm: float(np.hypot(*arm)))
-        along = arms[-1] / np.hypot(*arms[-1])
-        straight = len(arms) == 2 and float(-along @ arms[0]) > _STRAIGHT * np.hypot(*arms[0])
-        start = here - along * width_m / 2 if straight else here
-        return np.array([start, start + along * width_m])
-
-    def _point(self, ref: int) -> FloatArray:
-        return self.place.to_local(np.array(self.file.places[ref]))
-
-
-def _add_doors(parts: PlanParts, doors: _Doors, bearing: Sequence[_Shape]) -> None:
-    """Put doors and windows into the walls that their nodes belong to, each once."""
-    nodes = doors.nodes()
-    found: defaultdict[SegmentClass, list[FloatArray]] = defaultdict(list)
-    for line in (line for each in bearing for line in each.lines):
-        for at, ref in enumerate(line):
-            if ref in nodes and ref in doors.file.places:
-                kind, width_m = nodes.pop(ref)
-                segment = doors.segment(line, at, width_m)
-                if segment is not None:
-                    found[kind].append(segment)
-    panes = np.array(found.pop(SegmentClass.GLASS, [])).reshape(-1, 2, 2)
-    if len(panes):
-        parts.segments = [cut(each, panes, _REACH_M) for each in parts.segments]
-        parts.add(panes, SegmentClass.GLASS)
-    for kind, segments in found.items():
-        parts.add(np.array(segments), kind)
-    parts.cut_doors(_REACH_M)
-
-
-def _door_class(tags: Tags) -> SegmentClass | None:
-    if tags.get("door") == "no" or tags.get("indoor") == "opening":
-        return SegmentClass.OPENING
-    if "door" in tags or tags.get("indoor") == "door" or tags.get("entrance", "no") != "no":
-        return SegmentClass.DOOR
-    return SegmentClass.GLASS if tags.get("window", "no") != "no" else None
-
-
-def _width_m(tags: Tags, otherwise: float) -> float:
-    """Width of a door, by its tag where that is likely."""
-    text = tags.get("door:width") or tags.get("width") or ""
-    found = re.fullmatch(r"(\d+(?:[.,]\d+)?)\s*(m|cm|mm|ft|'|)", text.strip().lower())
-    if not found:
-        return otherwise
-    width = float(found[1].replace(",", ".")) * _UNITS[found[2]]
-    return width if _WIDTHS_M[0] <= width <= _WIDTHS_M[1] else otherwise
-
-
 def _rooms(
     file: OsmFile, here: Sequence[_Shape], place: Origin, language: str | None, what: str
 ) -> Iterator[Room]:
@@ -377,4 +367,5 @@ FORMAT = Format(
     suffixes=(".osm",),
     recognizes=_recognizes,
     read=read_plan_osm,
+    read_levels=read_levels_osm,
 )
