@@ -23,6 +23,9 @@ from PIL import Image, ImageDraw
 from palms import FloorPlan, Origin, SegmentClass, read_floorplan
 from palms.io import write_floorplan
 from palms.sample import sample_folder
+from plan_gis import write_gpkg, write_shapefiles
+from plan_model import write_ifc
+from plan_sheets import write_pdf, write_svg
 
 DATA = Path(__file__).resolve().parents[1] / "tests" / "io" / "data" / "plans"
 ORIGIN = Origin(-122.0632, 36.9996)
@@ -41,10 +44,7 @@ def write_imdf(plan: FloorPlan, path: Path) -> None:
     """Write rooms as units and doors as openings; IMDF has no walls."""
     level = {"id": "level-2", "properties": {"name": {"en": "Second floor"}, "ordinal": 1,
              "short_name": {"en": "2"}, "building_ids": ["b"]}}  # fmt: skip
-    covered = shapely.union_all([shapely.Polygon(room.polygon_m) for room in plan.rooms])
-    floor = covered.buffer(0.1, join_style="mitre").buffer(-0.1, join_style="mitre")
-    outline = shapely.get_coordinates(floor.exterior)[:-1]
-    level["geometry"] = {"type": "Polygon", "coordinates": [_ring(outline)]}
+    level["geometry"] = {"type": "Polygon", "coordinates": [_ring(_outline(plan))]}
     building = {"id": "b", "properties": {"name": {"en": "floor"}}, "geometry": None}
     units = [_unit(f"unit-{i}", room.name, room.polygon_m) for i, room in enumerate(plan.rooms)]
     openings = [
@@ -60,6 +60,13 @@ def write_imdf(plan: FloorPlan, path: Path) -> None:
             whole = [{"type": "Feature", "feature_type": kind, **each} for each in features]
             text = json.dumps({"type": "FeatureCollection", "features": whole})
             archive.writestr(zipfile.ZipInfo(f"{kind}.geojson", (2024, 1, 1, 0, 0, 0)), text)
+
+
+def _outline(plan: FloorPlan) -> npt.NDArray[np.float64]:
+    """Outline (N, 2) of all rooms together."""
+    covered = shapely.union_all([shapely.Polygon(room.polygon_m) for room in plan.rooms])
+    floor = covered.buffer(0.1, join_style="mitre").buffer(-0.1, join_style="mitre")
+    return np.asarray(shapely.get_coordinates(floor.exterior)[:-1])
 
 
 def _unit(name: str, title: str, ring: npt.ArrayLike) -> dict[str, Any]:
@@ -78,6 +85,51 @@ def _earth(points: npt.ArrayLike) -> list[list[float]]:
 def _ring(points: npt.ArrayLike) -> list[list[float]]:
     ring = _earth(points)
     return [*ring, ring[0]]
+
+
+def write_osm(plan: FloorPlan, path: Path) -> None:
+    """Write rooms as areas of Simple Indoor Tagging, doors as nodes on their outlines."""
+    nodes: dict[tuple[float, float], str] = {}
+    doors = [(segment.mean(axis=0), _door_tags(segment, kind))
+             for segment, kind in zip(plan.segments_m, plan.classes, strict=True)
+             if kind in (SegmentClass.DOOR, SegmentClass.OPENING)]  # fmt: skip
+    ways = [_way(1000, _refs(_outline(plan), nodes, doors), building="yes", name="floor")]
+    level = {"indoor": "level", "level": "1", "ref": "2", "name": "Second floor"}
+    ways.append(_way(1001, _refs(_outline(plan), nodes, doors), **level))
+    for i, room in enumerate(plan.rooms):
+        kind = "corridor" if "orridor" in room.name else "room"
+        tags = {"indoor": kind, "level": "1", "name": room.name}
+        ways.append(_way(1002 + i, _refs(room.polygon_m, nodes, doors), **tags))
+    lines = ["<?xml version='1.0' encoding='UTF-8'?>", "<osm version='0.6' generator='palms'>"]
+    lines += [f" <node id='{i + 1}' {place}" for i, place in enumerate(nodes.values())]
+    path.write_text("\n".join([*lines, *ways, "</osm>\n"]))
+
+
+def _door_tags(segment: npt.NDArray[np.float64], kind: int) -> str:
+    door = "hinged" if kind == SegmentClass.DOOR else "no"
+    return f"<tag k='door' v='{door}'/><tag k='width' v='{math.dist(*segment):.3f}'/>"
+
+
+def _refs(ring: npt.ArrayLike, nodes: dict[Any, str], doors: list[Any]) -> list[int]:
+    """Return the nodes of a ring, those of the doors on it too."""
+    refs, points = [], np.asarray(ring)
+    for a, b in zip(points, np.roll(points, -1, axis=0), strict=True):
+        edge = shapely.LineString([a, b])
+        on = [(math.dist(a, at), at, tags) for at, tags in doors
+              if edge.distance(shapely.Point(at)) < 0.01]  # fmt: skip
+        for _, at, tags in [(0.0, a, ""), *sorted(on, key=lambda each: each[0])]:
+            key = tuple(np.round(at, 3).tolist())
+            lon, lat = _earth(at)
+            end = f">{tags}</node>" if tags else "/>"
+            nodes.setdefault(key, f"lat='{lat:.9f}' lon='{lon:.9f}'{end}")
+            refs.append(list(nodes).index(key) + 1)
+    return [*refs, refs[0]]
+
+
+def _way(number: int, refs: list[int], **tags: str) -> str:
+    inside = [f"  <nd ref='{ref}'/>" for ref in refs]
+    inside += [f"  <tag k='{key}' v='{value}'/>" for key, value in tags.items()]
+    return "\n".join([f" <way id='{number}'>", *inside, " </way>"])
 
 
 def picture(plan: FloorPlan) -> Image.Image:
@@ -156,6 +208,12 @@ def write_all(folder: Path) -> None:
     write_image(plan, folder / "floor-picture.png")
     write_ros(plan, folder / "floor-map.yaml")
     write_dxf(plan, folder / "floor.dxf")
+    write_osm(plan, folder / "floor.osm")
+    write_svg(plan, folder / "floor.svg")
+    write_pdf(plan, folder / "floor.pdf")
+    write_gpkg(plan, folder / "floor.gpkg")
+    write_ifc(plan, folder / "floor.ifc")
+    write_shapefiles(plan, folder / "floor-shapes.zip")
 
 
 if __name__ == "__main__":

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from make_phone_files import write_phone_files
 from palms import io
 from palms.evaluation.simulation import (
     InertialNoise,
@@ -88,8 +89,8 @@ def rounded(value: Any) -> Any:  # noqa: ANN401
 
 
 def make_sample(folder: Path) -> None:
-    """Write the data set into a folder; `maps` and `trajectories` in it are replaced."""
-    for name in ("maps", "trajectories"):
+    """Write the data set into a folder; `maps`, `trajectories`, `phone` in it are replaced."""
+    for name in ("maps", "trajectories", "phone"):
         shutil.rmtree(folder / name, ignore_errors=True)
     plan = sample_building()
     taken, truth, arkit, ronin = simulate(plan)
@@ -111,6 +112,7 @@ def make_sample(folder: Path) -> None:
     )
     for file in sorted(folder.rglob("*json")):
         io.write_json(file, rounded(io.read_json(file)))
+    write_phone_files(folder)
 
 
 def main() -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
+import sys
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 
@@ -20,8 +23,24 @@ FILES = {
     "floor-picture.png": ("scale=0.05",),
     "floor-map.yaml": (),
     "floor.dxf": (),
+    "floor.osm": (ORIGIN,),
+    "floor.svg": ("scale=0.01",),
+    "floor.pdf": ("ratio=200",),
+    "floor.gpkg": (ORIGIN,),
+    "floor-shapes.zip": (ORIGIN,),
+    "floor.ifc": (),
 }
 RASTER = {"floor-picture.png": 1.0, "floor-map.yaml": 0.0}  # the margin in the file, in metres
+
+
+def load_tool(name: str = "make_plan_files") -> ModuleType:
+    """A script of the repository that makes files."""
+    folder = str(Path(__file__).parents[2] / "tools")
+    sys.path.insert(0, folder)
+    try:
+        return importlib.import_module(name)
+    finally:
+        sys.path.remove(folder)
 
 
 def sample() -> FloorPlan:

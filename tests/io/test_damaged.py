@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import importlib.util
 from pathlib import Path
 
 import numpy as np
@@ -32,6 +31,7 @@ from palms.io import (
 from palms.odometry import Odometry
 from palms.scan import Scan
 from tests.io.damage import damaged, damages, outcome
+from tests.io.floors import load_tool
 
 
 def make_good(folder: Path) -> None:
@@ -86,6 +86,10 @@ PLANS = {
     "floor-map.yaml": "ros",
     "floor-map.png": "ros",
     "tiny.png": "image",
+    "floor.osm": "osm",
+    "floor.svg": "svg",
+    "floor.gpkg": "gpkg",
+    "floor-shapes.zip": "shapefile",
 }
 
 
@@ -98,20 +102,17 @@ def make_plans(folder: Path) -> None:
         [*square, door], [0, 0, 0, 3, 1], (hall,), level="2", name="tiny", origin=Origin(30.0, 60.0)
     )
     tool = load_tool()
-    tool.ORIGIN = plan.origin
-    write_floorplan(plan, folder / "floor.geojson")
-    tool.write_imdf(plan, folder / "floor.imdf.zip")
-    tool.write_dxf(plan, folder / "floor.dxf")
-    tool.write_ros(plan, folder / "floor-map.yaml")
-    tool.write_image(plan, folder / "tiny.png")
-
-
-def load_tool():
-    path = Path(__file__).parents[2] / "tools" / "make_plan_files.py"
-    spec = importlib.util.spec_from_file_location("make_plan_files", path)
-    tool = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(tool)
-    return tool
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tool, "ORIGIN", plan.origin)
+        write_floorplan(plan, folder / "floor.geojson")
+        tool.write_imdf(plan, folder / "floor.imdf.zip")
+        tool.write_dxf(plan, folder / "floor.dxf")
+        tool.write_ros(plan, folder / "floor-map.yaml")
+        tool.write_image(plan, folder / "tiny.png")
+        tool.write_osm(plan, folder / "floor.osm")
+        tool.write_svg(plan, folder / "floor.svg")
+        tool.write_gpkg(plan, folder / "floor.gpkg")
+        tool.write_shapefiles(plan, folder / "floor-shapes.zip")
 
 
 @pytest.fixture(scope="module")
@@ -131,7 +132,7 @@ def test_damaged_copies_of_plans(tmp_path_factory, good_plans, name, damages):
         (folder / each).write_bytes(content)
     (folder / name).write_bytes(damaged(good_plans[name], damages))
     target = name.replace("map.png", "map.yaml")
-    extra = {"scale": 0.05} if PLANS[name] == "image" else {}
+    extra = {"scale": 0.05} if PLANS[name] in ("image", "svg") else {}
     for chosen in (PLANS[name], None):
         read = functools.partial(read_floorplan, folder / target, format=chosen, **extra)
         outcome(read, FloorPlan, folder)

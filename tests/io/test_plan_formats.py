@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
 import shutil
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,7 +10,17 @@ import pytest
 from palms.errors import FormatError, PalmsError
 from palms.floorplan import SegmentClass
 from palms.io import FLOORPLANS, choose_format, formats, read_any, read_floorplan, write_floorplan
-from tests.io.floors import DATA, FILES, RASTER, along, apart_m, length_m, read_file, sample
+from tests.io.floors import (
+    DATA,
+    FILES,
+    RASTER,
+    along,
+    apart_m,
+    length_m,
+    load_tool,
+    read_file,
+    sample,
+)
 
 CELL_M = 0.05
 VECTOR = [name for name in FILES if name not in RASTER]
@@ -53,7 +60,10 @@ def test_raster_formats_have_the_same_walls_within_a_cell(name):
     assert length_m(walls) == pytest.approx(length_m(truth.blocking_m), rel=0.01)
 
 
-@pytest.mark.parametrize("name", ["floor.geojson", "floor.imdf.zip"])
+ON_EARTH = ["floor.geojson", "floor.imdf.zip", "floor.osm", "floor.gpkg", "floor-shapes.zip"]
+
+
+@pytest.mark.parametrize("name", ON_EARTH)
 def test_rooms_origin_and_level_are_there(name):
     plan, truth = read_file(name), sample()
     assert {room.name for room in plan.rooms} == {room.name for room in truth.rooms}
@@ -65,18 +75,11 @@ def test_rooms_origin_and_level_are_there(name):
 
 
 def test_the_files_are_what_the_tool_writes(tmp_path):
-    path = Path(__file__).parents[2] / "tools" / "make_plan_files.py"
-    spec = importlib.util.spec_from_file_location("make_plan_files", path)
-    tool = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = tool
-    try:
-        spec.loader.exec_module(tool)
-        tool.write_all(tmp_path)
-    finally:
-        del sys.modules[spec.name]
+    load_tool().write_all(tmp_path)
     names = {path.name for path in DATA.iterdir()}
     assert {path.name for path in tmp_path.iterdir()} == names
-    for name in ("floor.dxf", "floor-map.yaml", "floor.geojson"):
+    exact = ("floor.dxf", "floor-map.yaml", "floor.geojson", "floor.osm", "floor.svg", "floor.ifc")
+    for name in exact:
         assert (tmp_path / name).read_bytes() == (DATA / name).read_bytes()
 
 

@@ -48,7 +48,11 @@ def test_nothing_there(read, tmp_path, says):
 
 @pytest.mark.parametrize(
     "file",
-    [("a.doc", "hello", "text"), ("a.pdf", b"%PDF-1.7", "a PDF document"), ("a", "", "empty")],
+    [
+        ("a.doc", "hello", "text"),
+        ("a.doc", b"\xff\xfeh\x00", "text in UTF-16"),
+        ("a", "", "empty"),
+    ],
 )
 @pytest.mark.parametrize(
     ("read", "known"),

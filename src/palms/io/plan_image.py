@@ -18,12 +18,13 @@ import numpy.typing as npt
 from palms.errors import FormatError, InputError
 from palms.floorplan import FloorPlan, SegmentClass
 from palms.io.files import head, read_bytes, sniff
-from palms.io.plan_parts import PlanParts, check_scale
+from palms.io.plan_parts import PlanParts
+from palms.io.plan_scale import Points, metres_per_unit
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief
 from palms.io.vectorize import remove_specks, remove_thin, typical_thickness, walls_of
 
-__all__ = ["FORMAT", "dark_of", "load_grey", "plan_of_mask", "read_plan_image"]
+__all__ = ["FORMAT", "dark_of", "load_grey", "plan_of_mask", "read_plan_image", "walls_only"]
 
 MAX_PIXELS = 60_000_000  # ours: a sheet of A0 at 190 dots per inch
 WORK_PIXELS = 12_000_000  # ours: larger pictures are reduced; keeps memory under a gigabyte
@@ -116,7 +117,7 @@ def read_plan_image(  # noqa: PLR0913
     path: StrPath,
     *,
     scale: float | None = None,
-    points: tuple[float, float, float, float] | None = None,
+    points: Points | None = None,
     distance: float | None = None,
     threshold: float | None = None,
     invert: bool = False,
@@ -155,11 +156,11 @@ def read_plan_image(  # noqa: PLR0913
     _check_magic(content, path)
     kind = sniff(content[:1000])
     kind = kind if kind.endswith("image") else "a picture"
-    scale = _scale(scale, points, distance, f"{path}, {kind}")
+    scale = metres_per_unit(scale, points, distance, f"{path}, {kind}", "pixel")
     if threshold is not None and not 0 < threshold < 1:
         raise InputError("option threshold", expected="between 0 and 1", got=f"{threshold:g}")
     grey, factor = load_grey(content, str(path))
-    dark = _walls_only(dark_of(grey, threshold, invert), factor, min_stroke, text_size)
+    dark = walls_only(dark_of(grey, threshold, invert), factor, min_stroke, text_size)
     return plan_of_mask(dark, scale * factor, min_wall, path)
 
 
@@ -173,30 +174,7 @@ def _check_magic(content: bytes, path: StrPath) -> None:
         )  # fmt: skip
 
 
-def _scale(
-    scale: float | None,
-    points: tuple[float, float, float, float] | None,
-    distance: float | None,
-    what: str,
-) -> float:
-    """Metres per pixel."""
-    if scale is not None:
-        return check_scale(scale, f"{what}, option scale") or 1.0
-    if points is None or distance is None:
-        raise InputError(
-            what, expected="its scale", got="none",
-            fix="give scale=METRES per pixel, or points=x1,y1,x2,y2 in pixels and distance=METRES",
-        )  # fmt: skip
-    pixels = math.hypot(points[2] - points[0], points[3] - points[1])
-    if not (pixels >= 1 and math.isfinite(distance) and distance > 0):
-        raise InputError(
-            f"{what}, options points and distance", expected="two points apart, and metres above 0",
-            got=f"{pixels:g} pixels and {distance:g} m",
-        )  # fmt: skip
-    return distance / pixels
-
-
-def _walls_only(dark: Mask, factor: int, min_stroke: float | None, text_size: float | None) -> Mask:
+def walls_only(dark: Mask, factor: int, min_stroke: float | None, text_size: float | None) -> Mask:
     """Take thin strokes and letters away."""
     typical = typical_thickness(dark)
     automatic = typical / 2 if typical >= _THICK_PX else 0.0

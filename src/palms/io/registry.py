@@ -46,6 +46,12 @@ BUILT_IN: dict[str, tuple[str, ...]] = {
         "palms.io.plan_image:FORMAT",
         "palms.io.plan_ros:FORMAT",
         "palms.io.plan_dxf:FORMAT",
+        "palms.io.plan_osm:FORMAT",
+        "palms.io.plan_svg:FORMAT",
+        "palms.io.plan_pdf:FORMAT",
+        "palms.io.plan_gpkg:FORMAT",
+        "palms.io.plan_shapefile:FORMAT",
+        "palms.io.plan_ifc:FORMAT",
     ),
     SCANS: (
         "palms.io.planes:FORMAT",

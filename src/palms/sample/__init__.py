@@ -14,7 +14,8 @@ def sample_folder() -> Path:
     Returns
     -------
     Path
-        It holds ``maps/sample.csv`` and ``trajectories/sample/walk-1``.
+        It holds ``maps/sample.csv`` and ``trajectories/sample/walk-1``; and in ``phone`` a picture
+        of the plan, the scan as RoomPlan captures it, and the walk as a log of camera poses.
 
     Examples
     --------

@@ -1,16 +1,17 @@
-import importlib.util
+import importlib
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from palms import io
 from palms.geometry import rotate
 from palms.sample import sample_folder
 
-TOOL = Path(__file__).parents[3] / "tools" / "make_sample.py"
+TOOLS = Path(__file__).parents[3] / "tools"
 
 
 @pytest.fixture(scope="module")
@@ -23,14 +24,16 @@ def files_of(folder):
     return {f.relative_to(folder): f.read_bytes() for f in folder.rglob("*") if f.is_file()}
 
 
-def test_what_ships_is_what_the_tool_writes(tmp_path):
-    spec = importlib.util.spec_from_file_location("make_sample", TOOL)
-    tool = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(tool)
-    tool.make_sample(tmp_path)
+def test_what_ships_is_what_the_tool_writes(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(str(TOOLS))
+    importlib.import_module("make_sample").make_sample(tmp_path)
     written, shipped = files_of(tmp_path), files_of(sample_folder())
     assert set(written) == set(shipped)
-    changed = [str(name) for name in written if written[name] != shipped[name]]
+    drawn = Path("phone", "plan.png")  # whose letters depend on the version of pillow
+    found = [np.asarray(Image.open(folder / drawn)) for folder in (tmp_path, sample_folder())]
+    assert found[0].shape == found[1].shape
+    assert np.mean(found[0] != found[1]) < 0.01
+    changed = [str(n) for n in written if n != drawn and written[n] != shipped[n]]
     assert not changed, "run: python tools/make_sample.py"
 
 
