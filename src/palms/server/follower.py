@@ -6,7 +6,9 @@ the network and the other sessions have no part in it.
 
 from __future__ import annotations
 
+import logging
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -21,6 +23,7 @@ from palms.io.track_json import lonlat
 from palms.io.values import check_array
 from palms.io.webxr_planes import webxr_scan
 from palms.localizer import Localizer
+from palms.odometry import Move
 from palms.randomness import as_key
 from palms.raster import PlanRaster
 from palms.scan import Scan
@@ -33,6 +36,7 @@ from palms.settings import Settings
 __all__ = ["Floor", "Follower", "Outcome", "Terms"]
 
 _RESTART = 31  # purpose of random numbers
+log = logging.getLogger("palms.server")
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,12 +82,15 @@ class Outcome:
         The scan that was taken, for whoever wants heatmaps.
     error : str or None
         Why the input, or a part of it, could not be used.
+    is_defect : bool
+        Whether palms is to blame for that.
     """
 
     estimate: messages.Estimate
     events: tuple[tuple[messages.EventKind, float | None], ...] = ()
     scan: Scan | None = None
     error: str | None = None
+    is_defect: bool = False
 
 
 class Follower:
@@ -113,6 +120,7 @@ class Follower:
         self.intake = Intake()
         self.seq = 0
         self._reckoner = Reckoner()
+        self.watch: Callable[[Move], object] | None = None
         self._n_restarts = 0
         self._was_localized = False
         self._stage = Stage.SEARCHING
@@ -136,14 +144,18 @@ class Follower:
         """
         self.seq = message.seq
         events: list[messages.EventKind] = []
-        scan, error = None, None
+        scan, error, is_defect = None, None, False
         try:
             scan = self._take(message, events)
-        except (InputError, MemoryError) as problem:
-            error = str(problem) or "out of memory"
+        except InputError as problem:
+            error = str(problem)
+        except Exception:  # whatever it is, the other sessions and this one go on
+            log.exception("an input could not be followed")
+            error, is_defect = "a defect of palms; its log says more", True
         events += self._stage_events()
         t_s = self._phone_time()
-        return Outcome(self.estimate(), tuple((kind, t_s) for kind in events), scan, error)
+        told = tuple((kind, t_s) for kind in events)
+        return Outcome(self.estimate(), told, scan, error, is_defect)
 
     def _take(self, message: messages.Input, events: list[messages.EventKind]) -> Scan | None:
         match message:
@@ -173,6 +185,8 @@ class Follower:
         self.intake, move = taken(self.intake, sample)
         if move is not None:
             self.localizer.move(move)
+            if self.watch is not None:
+                self.watch(move)
 
     def _observe(self, message: messages.Scan) -> Scan:
         scan = _read_scan(message, self.intake.position_m or (0.0, 0.0))
@@ -274,5 +288,3 @@ def _read_scan(message: messages.Scan, here_m: tuple[float, float]) -> Scan:
 
 def _listed(planes: Any) -> Any:  # noqa: ANN401 - tuples of callers in Python, lists of JSON
     return [_listed(each) for each in planes] if isinstance(planes, list | tuple) else planes
-
-

@@ -160,3 +160,7 @@ class Meter:
         self._at_s = now_s
         self._left = min(self._left + passed * self.per_s, float(self.burst)) - 1
         return max(-self._left / self.per_s, 0.0)
+
+    def forgive(self) -> None:
+        """Take the latest message back: it was refused."""
+        self._left += 1

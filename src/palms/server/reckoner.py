@@ -95,7 +95,7 @@ def reckoned(before: Reckoner, message: Inertial) -> tuple[Reckoner, tuple[Sampl
 
 
 def _grown(readings: dict[str, Readings], message: Inertial, base_s: float) -> dict[str, Readings]:
-    """Readings with those of a message; repeated and late ones find their place."""
+    """Add the readings of a message; repeated and late ones find their place."""
     found = dict(readings)
     for name in {reading.sensor for reading in message.readings}:
         new = [reading for reading in message.readings if reading.sensor == name]

@@ -282,7 +282,7 @@ class Store:
             write.executemany("INSERT INTO inputs VALUES (?, ?, ?, ?)", rows)
 
     def inputs(self, session: str) -> list[tuple[int, float, str]]:
-        """Inputs (seq, received_s, text) of a session, in order."""
+        """Return the inputs (seq, received_s, text) of a session, in order."""
         rows = self._connection.execute(
             "SELECT seq, received_s, body FROM inputs WHERE session = ? ORDER BY seq", (session,)
         )

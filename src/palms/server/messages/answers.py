@@ -18,6 +18,7 @@ __all__ = [
     "Event",
     "EventKind",
     "Link",
+    "Path",
     "Place",
     "ServerMessage",
     "Viewer",
@@ -109,6 +110,16 @@ class Event(Message):
     t_s: float | None = None
 
 
+class Path(Message):
+    """Where the answers led so far, for who comes later; one entry for each step."""
+
+    type: Literal["path"] = "path"
+    t_s: tuple[float, ...]
+    x_m: tuple[float | None, ...]
+    y_m: tuple[float | None, ...]
+    stage: tuple[StageWord, ...]
+
+
 class Viewer(Message):
     """Somebody who looks on."""
 
@@ -154,7 +165,7 @@ class Error(Message):
     next_seq: int | None = None
 
 
-ServerMessage = Welcome | Ack | Estimate | Event | Viewers | Link | Ended | Error
+ServerMessage = Welcome | Ack | Estimate | Event | Path | Viewers | Link | Ended | Error
 _ANSWER: TypeAdapter[ServerMessage] = TypeAdapter(
     Annotated[ServerMessage, Field(discriminator="type")]
 )
