@@ -17,7 +17,7 @@ __all__ = ["EXAMPLE", "serve"]
 EXAMPLE = "Example: palms serve --port 8000 --data my-buildings"
 
 
-def serve(
+def serve(  # noqa: PLR0917 - one for each option
     host: Annotated[
         str, typer.Option(metavar="ADDRESS", help="Address to listen at; others need the token.")
     ] = "127.0.0.1",
@@ -110,7 +110,7 @@ def _check_extra() -> None:
     """Say what is missing before anything else is looked at."""
     try:
         import fastapi  # noqa: F401
-        import multipart  # noqa: F401
+        import python_multipart  # noqa: F401
         import uvicorn  # noqa: F401
         import websockets  # noqa: F401
     except ImportError as error:

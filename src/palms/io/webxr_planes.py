@@ -13,7 +13,7 @@ from palms.io.registry import Format
 from palms.io.values import StrPath, brief, check_array
 from palms.scan import Scan
 
-__all__ = ["FORMAT", "webxr_scan", "read_webxr_planes"]
+__all__ = ["FORMAT", "read_webxr_planes", "webxr_scan"]
 
 _EXPECTED = "WebXR planes: an object with planes, each with pose and polygon"
 _WALLS = ("", "wall", "door", "window", "other", "unknown", "none")

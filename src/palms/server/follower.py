@@ -228,7 +228,7 @@ class Follower:
     def estimate(self) -> messages.Estimate:
         """Return the answer now, as it goes to clients."""
         found, belief = self.localizer.estimate, self.localizer.belief
-        common = {
+        common: dict[str, Any] = {
             "seq": self.seq, "t_s": self._phone_time() or 0.0, "stage": str(found.stage),
             "level": self.floor.level, "walked_m": self.intake.walked_m,
             "n_late": self.intake.n_late,
@@ -253,7 +253,7 @@ class Follower:
             room=self.floor.name_of(found.x_m, found.y_m),
         )  # fmt: skip
 
-    def _on_earth(self, x: float, y: float) -> dict[str, float]:
+    def _on_earth(self, x: float, y: float) -> dict[str, Any]:
         origin = self.floor.raster.plan.origin
         if origin is None:
             return {}

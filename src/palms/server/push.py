@@ -48,8 +48,9 @@ def readings_of(body: dict[str, Any]) -> Push:
         raise FormatError("push", expected="payload, a list of readings", got="none")
     found = [reading for item in payload[:MAX_READINGS] if (reading := _reading(item)) is not None]
     number = body.get("messageId")
-    known = isinstance(number, int) and not isinstance(number, bool)
-    return Push(number if known and 0 <= number < 2**_COUNT_BITS else None, tuple(found))
+    if not isinstance(number, int) or isinstance(number, bool) or not 0 <= number < 2**_COUNT_BITS:
+        number = None
+    return Push(number, tuple(found))
 
 
 def _reading(item: object) -> Reading | None:

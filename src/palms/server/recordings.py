@@ -106,7 +106,11 @@ def write_dataset(folder: Path, row: SessionRow, inputs: Inputs, plan_text: str)
     places = np.cumsum([(move.dx_m, move.dy_m) for move in moves], axis=0)
     session = row.id
     odometry = Odometry(
-        [move.time_s for move in moves], places, frame=frame, source=kind, session=(session,)
+        np.array([move.time_s for move in moves]),
+        places,
+        frame=frame,
+        source=kind,
+        session=(session,),
     )
     write_plan(folder, plan)
     walk = write_case(

@@ -131,14 +131,14 @@ class Session:
         for text in self.note(outcome, seq):
             for seat in self.wants("events"):
                 seat.outbox.put(text)
+        if outcome.error is not None and self.walker is not None:
+            self.walker.say(messages.Error(code="input", text=outcome.error[:500], seq=seq))
         estimate = outcome.estimate.model_dump_json()
         for seat in self.wants("estimates"):
             if seat is self.walker:
                 seat.outbox.put(estimate)
             else:
                 seat.outbox.latest("estimate", estimate)
-        if outcome.error is not None and self.walker is not None:
-            self.walker.say(messages.Error(code="input", text=outcome.error[:500], seq=seq))
 
     def note_push(self, number: int | None) -> None:
         """Remember a push by its number."""

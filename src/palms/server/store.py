@@ -14,6 +14,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from palms.errors import InputError, OutputError
 from palms.io.files import make_folder
@@ -339,9 +340,9 @@ def _unpacked(body: bytes) -> str:
     return (zlib.decompress(body[1:]) if body[:1] == b"z" else body[1:]).decode()
 
 
-def _session(row: tuple[object, ...]) -> SessionRow:
+def _session(row: tuple[Any, ...]) -> SessionRow:
     session, key_hash, building, level, terms, recording, created_s, seen_s, ended_s = row
     return SessionRow(
-        str(session), bytes(key_hash), str(building), str(level),  # type: ignore[arg-type]
-        Terms(**json.loads(str(terms))), bool(recording), created_s, seen_s, ended_s,  # type: ignore[arg-type]
+        session, bytes(key_hash), building, level, Terms(**json.loads(terms)), bool(recording),
+        created_s, seen_s, ended_s,
     )  # fmt: skip

@@ -7,10 +7,13 @@ import ipaddress
 import os
 import socket
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from palms.errors import InputError, PalmsError
 from palms.io.files import make_folder, write_bytes
+
+if TYPE_CHECKING:
+    from cryptography import x509
 
 __all__ = ["Certificate", "given", "own_names", "self_signed"]
 
@@ -44,8 +47,8 @@ def given(certificate: Path, key: Path) -> Certificate:
         return Certificate(certificate, key, _fingerprint(ssl.PEM_cert_to_DER_cert(first.strip())))
     except (OSError, ValueError) as error:
         raise InputError(
-            str(certificate), expected="a certificate in PEM and its key",
-            got=getattr(error, "strerror", None) or str(error), fix="check --tls-cert and --tls-key",
+            str(certificate), expected="a certificate in PEM and its key", fix="check both files",
+            got=getattr(error, "strerror", None) or str(error),
         ) from None  # fmt: skip
 
 
@@ -99,25 +102,21 @@ def _fingerprint(der: bytes) -> str:
     return ":".join(digest[i : i + 2] for i in range(0, len(digest), 2))
 
 
-def _names(certificate: object) -> tuple[str, ...]:
+def _names(certificate: x509.Certificate) -> tuple[str, ...]:
     from cryptography import x509
 
-    assert isinstance(certificate, x509.Certificate)
     kind = x509.SubjectAlternativeName
     listed = certificate.extensions.get_extension_for_class(kind).value
     found = [str(each.value) for each in listed]
     return tuple(sorted(found))
 
 
-def _days_left(certificate: object) -> float:
-    from cryptography import x509
-
-    assert isinstance(certificate, x509.Certificate)
+def _days_left(certificate: x509.Certificate) -> float:
     left = certificate.not_valid_after_utc - datetime.datetime.now(datetime.UTC)
     return left.total_seconds() / 86_400
 
 
-def _make(names: tuple[str, ...]) -> tuple[object, bytes]:
+def _make(names: tuple[str, ...]) -> tuple[x509.Certificate, bytes]:
     from cryptography import x509
     from cryptography.hazmat.primitives import hashes, serialization
     from cryptography.hazmat.primitives.asymmetric import ec
@@ -147,7 +146,7 @@ def _make(names: tuple[str, ...]) -> tuple[object, bytes]:
     return made, secret
 
 
-def _general_name(name: str) -> object:
+def _general_name(name: str) -> x509.GeneralName:
     from cryptography import x509
 
     try:

@@ -54,7 +54,7 @@ class HeatmapFrame(NamedTuple):
     ----------
     seq : int
         Of the scan.
-    index, count : int
+    number, of : int
         Which map, of how many.
     drift_rad : float
     origin_m : (float, float)
@@ -67,8 +67,8 @@ class HeatmapFrame(NamedTuple):
     """
 
     seq: int
-    index: int
-    count: int
+    number: int
+    of: int
     drift_rad: float
     origin_m: tuple[float, float]
     cell_size_m: float
@@ -92,13 +92,13 @@ def pack_particles(frame: ParticlesFrame) -> bytes:
     head = _PARTICLES.pack(
         b"PF", VERSION, len(offset), frame.seq, frame.t_s, *origin.tolist(), float(scale)
     )
-    return head + offset.tobytes() + frame.label.astype(np.uint8).tobytes()
+    return b"".join([head, offset.tobytes(), frame.label.astype(np.uint8).tobytes()])
 
 
 def pack_heatmap(frame: HeatmapFrame) -> bytes:
     """Return the bytes of a heatmap."""
     head = _HEATMAP.pack(
-        b"HF", VERSION, frame.index, frame.count, frame.seq, frame.drift_rad, *frame.origin_m,
+        b"HF", VERSION, frame.number, frame.of, frame.seq, frame.drift_rad, *frame.origin_m,
         frame.cell_size_m, *frame.range_nats,
     )  # fmt: skip
     return head + frame.png
@@ -112,13 +112,12 @@ def unpack_frame(content: bytes) -> ParticlesFrame | HeatmapFrame:
     FormatError
         When it is none of this version, or cut off.
     """
-    kinds = {b"PF": (_PARTICLES, _particles), b"HF": (_HEATMAP, _heatmap)}
-    head, unpack = kinds.get(content[:2], (None, None))
-    if head is None or unpack is None or len(content) < head.size or content[2] != VERSION:
+    head = {b"PF": _PARTICLES, b"HF": _HEATMAP}.get(content[:2])
+    if head is None or len(content) < head.size or content[2] != VERSION:
         raise FormatError(
             "binary frame", expected=f"PF or HF, version {VERSION}", got=repr(content[:3])
         )
-    return unpack(content)
+    return _particles(content) if head is _PARTICLES else _heatmap(content)
 
 
 def _particles(content: bytes) -> ParticlesFrame:
@@ -132,6 +131,6 @@ def _particles(content: bytes) -> ParticlesFrame:
 
 
 def _heatmap(content: bytes) -> HeatmapFrame:
-    _, _, index, count, seq, drift, x, y, cell, low, high = _HEATMAP.unpack_from(content)
+    _, _, number, of, seq, drift, x, y, cell, low, high = _HEATMAP.unpack_from(content)
     png = content[_HEATMAP.size :]
-    return HeatmapFrame(int(seq), index, count, drift, (x, y), cell, (low, high), png)
+    return HeatmapFrame(int(seq), number, of, drift, (x, y), cell, (low, high), png)

@@ -26,7 +26,7 @@ Method = Literal["palms", "paper", "authors", "uniform", "uniform-ori", "no-scan
         422: {"model": messages.Problem},
     },
 )  # fmt: skip
-async def follow_walk(
+async def follow_walk(  # noqa: PLR0913, PLR0917 - one for each field of the form
     context: Parts,
     scan: Annotated[UploadFile, File(description="The scan")],
     walk: Annotated[UploadFile, File(description="The recorded walk")],
