@@ -147,12 +147,14 @@ class Client:
                 fix='pip install "palms-localization[client]"',
             ) from None  # fmt: skip
         try:
-            return connect(
+            opening: Any = connect(
                 self.socket_url, additional_headers=self._headers, ssl=self._trust,
                 open_timeout=PATIENCE_S, max_size=None, compression=None,
             )  # fmt: skip
+            socket: ClientConnection = opening.__enter__()  # it is left by close()
         except (OSError, WebSocketException) as error:
             raise PalmsError(self.url, expected="a PALMS server", got=str(error)) from None
+        return socket
 
 
 def _reason(error: urllib.error.HTTPError) -> str:

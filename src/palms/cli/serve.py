@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -17,7 +18,8 @@ __all__ = ["EXAMPLE", "serve"]
 EXAMPLE = "Example: palms serve --port 8000 --data my-buildings"
 
 
-def serve(  # noqa: PLR0917 - one for each option
+def serve(
+    *,
     host: Annotated[
         str, typer.Option(metavar="ADDRESS", help="Address to listen at; others need the token.")
     ] = "127.0.0.1",
@@ -73,11 +75,10 @@ def serve(  # noqa: PLR0917 - one for each option
 ) -> None:  # fmt: skip
     """Follow phones live: buildings, sessions and their pages, from one folder."""
     _check_extra()
-    from palms.cli._compiling import announcing
     from palms.server.application import Setup
     from palms.server.gate import Gate, is_loopback
     from palms.server.limits import Limits
-    from palms.server.running import Place, data_folder, run, warm_up
+    from palms.server.running import Place, data_folder, run
     from palms.server.tls import own_names
 
     limits = Limits().with_texts(limit or [])
@@ -87,8 +88,7 @@ def serve(  # noqa: PLR0917 - one for each option
     token, is_new = _token(token_file, is_loopback(host))
     gate = Gate(token, names, tuple(allow_origin or ()))
     setup = Setup(folder, gate, limits, recording)
-    with announcing(_note):
-        warm_up()
+    Thread(target=_warm_up, daemon=True).start()
 
     def ready(url: str) -> None:
         typer.echo(f"PALMS is at {url}  (Ctrl-C ends it; buildings and sessions: {folder})")
@@ -100,6 +100,15 @@ def serve(  # noqa: PLR0917 - one for each option
             _note("without --tls others on the network can read along, and phones do not scan")
 
     run(setup, Place(host, port, certificate), ready)
+
+
+def _warm_up() -> None:
+    """Have the loops ready when the first phone comes."""
+    from palms.cli._compiling import announcing
+    from palms.server.running import warm_up
+
+    with announcing(_note):
+        warm_up()
 
 
 def _note(text: str) -> None:

@@ -64,11 +64,16 @@ class Setup:
 
 
 def make_application(setup: Setup) -> FastAPI:
-    """Return a server as an ASGI application; its store is opened when it starts.
+    """Return a server as an ASGI application; its store is open from now on.
 
     Parameters
     ----------
     setup : Setup
+
+    Raises
+    ------
+    InputError, OutputError
+        When the store cannot be used.
     """
     from palms import __version__
 
@@ -78,6 +83,7 @@ def make_application(setup: Setup) -> FastAPI:
         description="Buildings, live sessions and recorded walks. The socket is /api/v1/live.",
     )  # fmt: skip
     app.state.setup = setup
+    app.state.store = Store(setup.data)
     app.state.sockets = set()
     for part in (buildings, sessions, tracks, operations, socket):
         app.include_router(part.router)
@@ -92,7 +98,7 @@ def make_application(setup: Setup) -> FastAPI:
 @contextlib.asynccontextmanager
 async def _lifespan(app: FastAPI) -> AsyncIterator[None]:
     setup: Setup = app.state.setup
-    journal = Journal(Store(setup.data), setup.now_s)
+    journal = Journal(app.state.store, setup.now_s)
     pools = Pools.make()
     catalogue = Catalogue(journal, setup.limits, pools.scans)
     live = Sessions(catalogue, journal, setup.gate, setup.limits, pools)

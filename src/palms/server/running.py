@@ -96,9 +96,11 @@ def run(setup: Setup, place: Place, ready: Callable[[str], object]) -> None:
         When it cannot listen there, or its store cannot be used.
     """
     with contextlib.closing(place.listen()) as listening:
-        server = _server(setup, place)
-        ready(place.url(listening.getsockname()[1]))
-        server.run(sockets=[listening])
+        _serve(_server(setup, place), listening, lambda: ready(place.url(_port(listening))))
+
+
+def _port(listening: socket.socket) -> int:
+    return int(listening.getsockname()[1])
 
 
 @contextlib.contextmanager
@@ -115,32 +117,26 @@ def in_background(setup: Setup, place: Place | None = None) -> Iterator[str]:
     with contextlib.closing(place.listen()) as listening:
         server = _server(setup, place)
         started = threading.Event()
-        server.config.load()
-        thread = threading.Thread(target=_serve, args=(server, listening, started), daemon=True)
+        thread = threading.Thread(target=_serve, args=(server, listening, started.set), daemon=True)
         thread.start()
         started.wait()
         try:
-            yield place.url(listening.getsockname()[1])
+            yield place.url(_port(listening))
         finally:
             server.should_exit = True
             thread.join()
 
 
-def _serve(server: Any, listening: socket.socket, started: threading.Event) -> None:  # noqa: ANN401
-    """Run a server; say when it has started, or has failed to."""
+def _serve(server: Any, listening: socket.socket, ready: Callable[[], object]) -> None:  # noqa: ANN401
+    """Run a server; say when it takes requests, or has ended before."""
     begin = server.startup
 
     async def startup(sockets: list[socket.socket] | None = None) -> None:
-        try:
-            await begin(sockets=sockets)
-        finally:
-            started.set()
+        await begin(sockets=sockets)
+        ready()
 
     server.startup = startup
-    try:
-        server.run(sockets=[listening])
-    finally:
-        started.set()
+    server.run(sockets=[listening])
 
 
 def warm_up() -> None:

@@ -124,12 +124,20 @@ class Store:
         self.folder = make_folder(folder)
         self.path = self.folder / FILE
         self.is_new = not self.path.exists()
+        self._connection = self._lock = None  # type: ignore[assignment]
+        try:
+            self._open(migrations)
+        except BaseException:
+            for each in (self._connection, self._lock):
+                if each is not None:
+                    each.close()
+            raise
+
+    def _open(self, migrations: Sequence[str]) -> None:
         try:
             self.folder.chmod(0o700)
             self._lock = _locked(self.folder / "lock")
-            self._connection = sqlite3.connect(
-                self.path, isolation_level=None, check_same_thread=False
-            )
+            self._connection = _connected(self.path)
             for pragma in (
                 "journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON",
                 "secure_delete = ON", "temp_store = MEMORY",
@@ -317,9 +325,13 @@ class Store:
         self.forget()
 
 
+def _connected(path: Path) -> sqlite3.Connection:
+    return sqlite3.connect(path, timeout=0, isolation_level=None, check_same_thread=False)
+
+
 def _locked(path: Path) -> sqlite3.Connection:
     """Keep a second server out, as long as this process lives."""
-    lock = sqlite3.connect(path, isolation_level=None, check_same_thread=False, timeout=0)
+    lock = _connected(path)
     try:
         lock.execute("BEGIN EXCLUSIVE")
     except sqlite3.OperationalError:
