@@ -263,8 +263,8 @@ class Follower:
 
 def _spread(drift_rad: Any, weight: Any) -> float:  # noqa: ANN401
     """Circular standard deviation of the drift, at most pi."""
-    length = math.hypot(float(weight @ np.cos(drift_rad)), float(weight @ np.sin(drift_rad)))
-    length /= float(weight.sum())
+    east, north = (weight * np.cos(drift_rad)).sum(), (weight * np.sin(drift_rad)).sum()
+    length = math.hypot(float(east), float(north)) / float(weight.sum())
     return min(math.sqrt(max(-2 * math.log(max(length, 1e-12)), 0.0)), math.pi)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import socket
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from palms.server.tls import Certificate
 
 __all__ = ["Place", "data_folder", "in_background", "run", "warm_up"]
 
+SWITCH_S = 0.001  # ours: the loop that answers waits so long for a thread that computes
 STOP_S = 5  # ours: what still runs at the end may take so long
 
 
@@ -95,6 +97,7 @@ def run(setup: Setup, place: Place, ready: Callable[[str], object]) -> None:
     PalmsError
         When it cannot listen there, or its store cannot be used.
     """
+    sys.setswitchinterval(SWITCH_S)
     with contextlib.closing(place.listen()) as listening:
         _serve(_server(setup, place), listening, lambda: ready(place.url(_port(listening))))
 
