@@ -7,6 +7,7 @@ import functools
 import logging
 import os
 import secrets
+import sqlite3
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -358,7 +359,12 @@ class Sessions:
     async def _store(self, session: Session, message: messages.Input) -> None:
         if message.seq > self.limits.inputs:
             raise Refused("full", f"a session has at most {self.limits.inputs} inputs")
-        await self._journal.append(session.row.id, message.seq, message.model_dump_json())
+        try:
+            await self._journal.append(session.row.id, message.seq, message.model_dump_json())
+        except (OSError, sqlite3.Error):
+            log.exception("an input could not be stored")
+            self.metrics.count("defects_total")
+            raise Refused("defect", "the server cannot store this now; send it again") from None
         session.next_seq = message.seq + 1
         self.metrics.count("inputs_total")
 
