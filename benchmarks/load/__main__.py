@@ -80,7 +80,9 @@ def main() -> None:
     parser.add_argument("--sessions", type=int, default=100)
     parser.add_argument("--too-many", type=int, default=10, help="phones that come to be refused")
     parser.add_argument("--seconds", type=float, default=300.0)
-    parser.add_argument("--start-over", type=float, default=100.0, help="seconds until all are there")
+    parser.add_argument(
+        "--start-over", type=float, default=100.0, help="seconds until all are there"
+    )
     parser.add_argument("--rate", type=float, default=2.0, help="steps a second of each phone")
     parser.add_argument("--results", type=Path, help="put the table into this page")
     arguments = parser.parse_args()
@@ -99,7 +101,11 @@ def main() -> None:
         server.terminate()
         server.wait()
     report = json.loads(done.stdout)
-    lines = ["| | |", "|---|---|", *(f"| {a} | {b} |" for a, b in rows(report, arguments, memory, busy))]
+    lines = [
+        "| | |",
+        "|---|---|",
+        *(f"| {a} | {b} |" for a, b in rows(report, arguments, memory, busy)),
+    ]
     text = "\n".join(lines)
     print(text)
     for error in report["errors"][:5]:

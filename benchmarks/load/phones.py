@@ -37,7 +37,13 @@ def inputs(steps_per_s: float, n: int) -> tuple[str, list[tuple[float, list[floa
     case = open_dataset(sample_folder()).cases[0]
     scan, walk = case.scan(), case.walk().odometry()
     free = [None if np.isnan(r) else r for r in scan.coverage_m.tolist()]
-    first = {"type": "scan", "seq": 1, "t_s": 0.0, "planes": scan.walls_m.tolist(), "coverage_m": free}
+    first = {
+        "type": "scan",
+        "seq": 1,
+        "t_s": 0.0,
+        "planes": scan.walls_m.tolist(),
+        "coverage_m": free,
+    }
     there = [[0.0, 0.0], *walk.position_m.tolist()]
     round_trip = [*there, *there[-2:0:-1]]
     path = [round_trip[i % len(round_trip)] for i in range(n + 1)][1:]
@@ -68,7 +74,8 @@ async def phone(url: str, number: int, arguments: argparse.Namespace, report: Re
     scan, steps = inputs(arguments.rate, int(arguments.rate * arguments.seconds))
     async with connect(url, compression=None) as socket:
         await socket.send(json.dumps({
-            "type": "hello", "building": "sample", "seed": number, "receive": ["estimates", "events"]
+            "type": "hello", "building": "sample", "seed": number,
+            "receive": ["estimates", "events"],
         }))  # fmt: skip
         answer = json.loads(await socket.recv())
         if answer["type"] != "welcome":

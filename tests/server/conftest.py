@@ -146,8 +146,7 @@ def serve(tmp_path):
                 inline_uploads=options.pop("inline_uploads", True), **options,
             )  # fmt: skip
             running = in_background(setup)
-            url = stack.enter_context(running)
-            return url
+            return stack.enter_context(running)
 
         yield start
 

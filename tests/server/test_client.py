@@ -37,7 +37,7 @@ def test_a_session_through_the_client_is_the_localizer_s(server):
         assert [answer.x_m, answer.y_m] == pytest.approx(expected.position_m.tolist())
         hinted = localizer.hint(palms.Hint(room="Study"))
         assert session.hint(palms.Hint(room="Study")).x_m == pytest.approx(hinted.position_m[0])
-        assert [event.kind for event in session.events][0] == "scanning"
+        assert session.events[0].kind == "scanning"
         with pytest.raises(InputError, match="nowhere"):
             session.hint(palms.Hint(room="nowhere"))
     with pytest.raises(PalmsError, match="no such session"):
@@ -107,9 +107,16 @@ def test_what_is_wrong_is_said_in_one_line(server, serve):
 def pushes(log, every_s):
     """A log as Sensor Logger pushes it."""
     readings = []
-    for name, values in (("TotalAcceleration", log.acceleration_m_s2), ("Gyroscope", log.rate_rad_s)):
+    for name, values in (
+        ("TotalAcceleration", log.acceleration_m_s2),
+        ("Gyroscope", log.rate_rad_s),
+    ):
         for time, (x, y, z) in zip(log.time_s, values.tolist(), strict=True):
-            item = {"name": name, "time": int((1.7e9 + time) * 1e9), "values": {"x": x, "y": y, "z": z}}
+            item = {
+                "name": name,
+                "time": int((1.7e9 + time) * 1e9),
+                "values": {"x": x, "y": y, "z": z},
+            }
             readings.append((time, item))
     readings.sort(key=lambda each: each[0])
     last = log.time_s[-1]

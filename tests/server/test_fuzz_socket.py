@@ -15,7 +15,7 @@ NUMBERS = st.one_of(
 JUNK = st.recursive(
     st.none() | st.booleans() | NUMBERS | st.text(max_size=8),
     lambda inner: st.lists(inner, max_size=4)
-    | st.dictionaries(st.sampled_from(["t_s", "position_m", "x", "pose", "matrix"]), inner, max_size=3),
+    | st.dictionaries(st.sampled_from(["t_s", "position_m", "pose", "matrix"]), inner, max_size=3),
     max_leaves=8,
 )  # fmt: skip
 TYPES = ["odometry", "scan", "hint", "inertial", "pause", "resume", "share", "dismiss", "hello"]
@@ -77,7 +77,9 @@ def test_whatever_a_phone_sends_the_server_answers_and_others_go_on(server, mess
     assert "palms_defects_total 0" in httpx.get(f"{server}/metrics").text
 
 
-@given(st.text(max_size=30) | st.dictionaries(st.sampled_from(["type", *KEYS]), JUNK).map(json.dumps))
+@given(
+    st.text(max_size=30) | st.dictionaries(st.sampled_from(["type", *KEYS]), JUNK).map(json.dumps)
+)
 @QUICK
 def test_whatever_comes_first_is_answered(server, first):
     phone = Phone(server)
@@ -98,7 +100,9 @@ def test_sessions_side_by_side_are_as_alone(server, seed, turns):
 
     expected = alone()
     phones = [Phone(server) for _ in range(3)]
-    names = [phone.hello(seed=seed if n == 1 else seed + n)["session"] for n, phone in enumerate(phones)]
+    names = [
+        phone.hello(seed=seed if n == 1 else seed + n)["session"] for n, phone in enumerate(phones)
+    ]
     waiting = [whole_walk() for _ in phones]
     found = []
     for turn in [*turns, *[1] * 14]:

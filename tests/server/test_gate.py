@@ -86,7 +86,9 @@ def test_a_short_token_is_refused():
         Gate("short")
 
 
-@pytest.mark.parametrize("text", ["sessions=0", "sessions=many", "colour=3", "sessions", "idle_s=nan"])
+@pytest.mark.parametrize(
+    "text", ["sessions=0", "sessions=many", "colour=3", "sessions", "idle_s=nan"]
+)
 def test_limits_that_are_none_are_refused(text):
     with pytest.raises(SettingsError):
         Limits().with_texts([text])

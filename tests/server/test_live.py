@@ -268,9 +268,7 @@ def test_beyond_the_limit_new_sessions_are_refused_and_old_ones_go_on(serve, pho
 
 
 def test_limits_of_one_client_hold(serve, phones):
-    url = serve(
-        Limits(message_bytes=5000, inputs=3, viewers=1, hello_s=0.2, idle_s=0.3, sockets=4)
-    )
+    url = serve(Limits(message_bytes=5000, inputs=3, viewers=1, hello_s=0.2, idle_s=0.3, sockets=4))
     silent = phones(url)
     assert silent.next()["code"] == "slow"
     phone = phones(url)

@@ -21,7 +21,9 @@ MODELS = {
     name: model
     for module in (inputs, answers, rest)
     for name, model in vars(module).items()
-    if isinstance(model, type) and issubclass(model, Message) and model.__module__ == module.__name__
+    if isinstance(model, type)
+    and issubclass(model, Message)
+    and model.__module__ == module.__name__
 }
 
 
@@ -106,7 +108,8 @@ def test_conversations_of_the_page_work(serve, tmp_path, number):
     "text",
     [
         "", "[]", "null", "{}", '{"type": "scan"}', '{"type": "hello", "role": "king"}', "\x00",
-        '{"type": "pause", "seq": 0}', '{"type": "pause", "seq": 1.5}', '{"type": "pause", "seq": "1"}',
+        '{"type": "pause", "seq": 0}', '{"type": "pause", "seq": 1.5}',
+        '{"type": "pause", "seq": "1"}',
         '{"type": "odometry", "seq": 1, "samples": []}',
         '{"type": "odometry", "seq": 1, "samples": [{"t_s": 1}]}',
         '{"type": "odometry", "seq": 1, "samples": [{"t_s": NaN, "position_m": [0, 0]}]}',
@@ -115,7 +118,8 @@ def test_conversations_of_the_page_work(serve, tmp_path, number):
         '[{"t_s": 1, "position_m": [0, 0], "displacement_m": [0, 0]}]}',
         '{"type": "hint", "seq": 1, "room": "a", "place_m": [0, 0]}',
         '{"type": "hint", "seq": 1, "room": "a", "probability": 1}',
-        '{"type": "inertial", "seq": 1, "readings": [{"sensor": "gyroscope", "t_s": 0, "values": [1]}]}',
+        '{"type": "inertial", "seq": 1, "readings": '
+        '[{"sensor": "gyroscope", "t_s": 0, "values": [1]}]}',
         '{"type": "scan", "seq": 1, "t_s": 0, "planes": [], "pose": {}}', "[" * 100_000,
     ],
 )  # fmt: skip

@@ -40,7 +40,9 @@ def test_buildings_come_are_shown_and_go(rest):
     assert plan["schema"] == "palms-plan/1"
     assert plan["segments_m"][0] == [[0.0, 0.0], [8.0, 0.0]]
     assert plan["classes"] == ["wall"] * 4
-    more = rest.post(f"{place}/levels", files={"file": ("up.geojson", GEOJSON)}, data={"level": "1"})
+    more = rest.post(
+        f"{place}/levels", files={"file": ("up.geojson", GEOJSON)}, data={"level": "1"}
+    )
     assert [level["name"] for level in more.json()["levels"]] == ["G", "1"]
     assert rest.get(f"{place}/rooms", params={"level": "1"}).json()[0]["name"] == "Hall"
     assert rest.get(f"{place}/plan", params={"level": "9"}).status_code == 404
@@ -68,7 +70,9 @@ def test_a_plan_that_cannot_be_used_is_refused_in_one_line(rest, name, content, 
     assert "/tmp" not in text
 
 
-@pytest.mark.parametrize("name", ["../../../etc/evil.csv", "/etc/passwd", "a\\..\\b.csv", "x" * 5000])
+@pytest.mark.parametrize(
+    "name", ["../../../etc/evil.csv", "/etc/passwd", "a\\..\\b.csv", "x" * 5000]
+)
 def test_names_of_files_reach_no_file_system(rest, name, tmp_path):
     answer = upload(rest, name, HALL, format="csv")
     if len(name) > 1000:
@@ -155,13 +159,17 @@ def recorded(server, phones, **fields):
 
 def test_only_what_its_walker_wants_is_recorded(server, phones, rest):
     name, last = recorded(server, phones)
-    listed = {each["recording"]: each for each in rest.get("/api/v1/recordings").json()["recordings"]}
+    listed = {
+        each["recording"]: each for each in rest.get("/api/v1/recordings").json()["recordings"]
+    }
     assert listed[name]["n_inputs"] == 15
     document = rest.get(f"/api/v1/recordings/{name}").json()
     assert document["schema"] == "palms-recording/1"
     assert document["inputs"][0]["message"]["type"] == "scan"
     track = rest.get(f"/api/v1/recordings/{name}/track").json()
-    assert track["estimates"][-1] == json.loads(json.dumps(last)) | {"hypotheses": last["hypotheses"]}
+    assert track["estimates"][-1] == json.loads(json.dumps(last)) | {
+        "hypotheses": last["hypotheses"]
+    }
     assert rest.delete(f"/api/v1/recordings/{name}").status_code == 204
     assert rest.get(f"/api/v1/recordings/{name}").status_code == 404
     assert recorded(server, phones, record=False)[0] is None

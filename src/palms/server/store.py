@@ -6,12 +6,12 @@ memory. What is deleted is overwritten.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import sqlite3
 import zlib
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -124,20 +124,15 @@ class Store:
         self.folder = make_folder(folder)
         self.path = self.folder / FILE
         self.is_new = not self.path.exists()
-        self._connection = self._lock = None  # type: ignore[assignment]
-        try:
-            self._open(migrations)
-        except BaseException:
-            for each in (self._connection, self._lock):
-                if each is not None:
-                    each.close()
-            raise
+        with contextlib.ExitStack() as opened:
+            self._open(opened, migrations)
+            opened.pop_all()  # open until close()
 
-    def _open(self, migrations: Sequence[str]) -> None:
+    def _open(self, opened: contextlib.ExitStack, migrations: Sequence[str]) -> None:
         try:
             self.folder.chmod(0o700)
-            self._lock = _locked(self.folder / "lock")
-            self._connection = _connected(self.path)
+            self._lock = opened.enter_context(contextlib.closing(_locked(self.folder / "lock")))
+            self._connection = opened.enter_context(contextlib.closing(_connected(self.path)))
             for pragma in (
                 "journal_mode = WAL", "synchronous = FULL", "foreign_keys = ON",
                 "secure_delete = ON", "temp_store = MEMORY",
@@ -177,7 +172,7 @@ class Store:
                 f"PRAGMA user_version = {version}; COMMIT;"
             )
 
-    @contextmanager
+    @contextlib.contextmanager
     def _transaction(self) -> Iterator[sqlite3.Connection]:
         self._connection.execute("BEGIN IMMEDIATE")
         try:
