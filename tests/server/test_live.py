@@ -322,7 +322,15 @@ def test_with_a_token_nobody_walks_without_it_or_a_ticket(serve, phones):
     wanted = {"role": "viewer", "session": welcome["session"]}
     look = httpx.post(url + "/api/v1/tickets", json=wanted, headers=operator).json()["ticket"]
     assert phones(url).hello(ticket=look)["code"] == "forbidden"
-    for private in ("sessions", "recordings", "backup"):
+    only = httpx.post(url + "/api/v1/tickets", json={"building": "hall"}, headers=operator).json()
+    assert phones(url).hello(ticket=only["ticket"], building="sample")["code"] == "forbidden"
+    only = httpx.post(url + "/api/v1/tickets", json={"building": "hall"}, headers=operator).json()
+    mine = phones(url).hello(ticket=only["ticket"], building=None)
+    key = {"Authorization": f"Bearer {mine['key']}"}
+    assert httpx.get(url + "/api/v1/buildings/hall/plan", headers=key).status_code == 200
+    assert httpx.get(url + "/api/v1/buildings/other/plan", headers=key).status_code == 401
+    assert httpx.get(url + "/api/v1/buildings/hall/plan").status_code == 401
+    for private in ("sessions", "recordings", "backup", "buildings"):
         assert httpx.get(f"{url}/api/v1/{private}").status_code == 401
     assert httpx.get(url + "/metrics").status_code == 401
     assert httpx.get(url + "/health").status_code == 200

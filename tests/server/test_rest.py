@@ -10,6 +10,7 @@ import pytest
 
 import palms
 from palms import Odometry, Scan, Settings
+from palms.geometry import distance_to_segments, rotate
 from palms.io import RecordedWalk, open_dataset, write_scan_json, write_tracking
 from palms.io.track_json import track_document
 from palms.server.limits import Limits
@@ -149,8 +150,8 @@ def test_a_recorded_walk_is_tracked_as_the_command_does_it(rest, tmp_path):
     assert rest.post("/api/v1/tracks", files=files, data=form).status_code == 422
 
 
-def recorded(server, phones, **fields):
-    phone = phones(server)
+def recorded(server, phones, additional_headers=None, **fields):
+    phone = phones(server, additional_headers=additional_headers)
     phone.hello(**({"record": True} | fields))
     last = phone.walk([*whole_walk(), {"type": "hint", "seq": 15, "room": "Study"}])
     phone.say({"type": "end"})
@@ -197,6 +198,56 @@ def test_a_recording_is_exported_as_a_data_set(server, phones, rest, tmp_path):
     (event,) = json.loads((case.folder / "events.json").read_text())
     assert event["room"] == "Study"
     rest.delete(f"/api/v1/recordings/{name}")
+
+
+def test_a_link_shows_a_recording_s_track_and_nothing_else(serve, phones):
+    token = "a token that is long enough"
+    url = serve(token=token)
+    operator = {"Authorization": f"Bearer {token}"}
+    name, _ = recorded(url, phones, additional_headers=operator)
+    place = f"{url}/api/v1/recordings/{name}"
+    view = httpx.post(f"{place}/links", json={"ttl_s": 60}, headers=operator).json()["view"]
+    linked = {"Authorization": f"Bearer {view}"}
+    track = httpx.get(f"{place}/track", headers=linked)
+    assert track.status_code == 200
+    assert track.json()["plan"]["schema"] == "palms-plan/1"
+    for other in (f"{place}/dataset", place, f"{url}/api/v1/recordings", f"{url}/api/v1/backup"):
+        assert httpx.get(other, headers=linked).status_code == 401
+    assert httpx.get(f"{place}/track").status_code == 401
+    assert httpx.delete(place, headers=operator).status_code == 204
+    assert httpx.get(f"{place}/track", headers=linked).status_code == 401
+
+
+def test_a_drawn_walk_is_simulated_in_one_frame(rest, server, phones):
+    sent = {"building": "hall", "path_m": [[2.0, 2.0], [2.0, 4.3], [5.0, 4.3]], "seed": 2}
+    answer = rest.post("/api/v1/simulations", json=sent)
+    assert answer.status_code == 200, answer.text
+    found = answer.json()
+    assert not found["is_cut"]
+    phone = phones(server)
+    phone.hello()
+    inputs = [found["scan"], *({"type": "odometry", "seq": seq, "samples": [sample]}
+                               for seq, sample in enumerate(found["samples"], 2))]  # fmt: skip
+    assert phone.walk(inputs)["walked_m"] == pytest.approx(5.3, abs=0.7)
+    truth = np.array(found["truth_m"])
+    places = np.array([[0.0, 0.0], *(sample["position_m"] for sample in found["samples"])])
+    along, moved = truth[-1] - truth[0], places[-1] - places[0]
+    drift = np.arctan2(along[1], along[0]) - np.arctan2(moved[1], moved[0])
+    seen = rotate(np.array(found["scan"]["planes"]), drift).reshape(-1, 2) + truth[0]
+    away = [distance_to_segments(point, hall().segments_m).min() for point in seen]
+    assert np.median(away) < 0.2
+    again = rest.post("/api/v1/simulations", json=sent).json()
+    assert again == found
+    through = rest.post("/api/v1/simulations", json=sent | {"path_m": [[2.0, 2.0], [2.0, 11.0]]})
+    assert through.json()["is_cut"]
+    assert max(y for _, y in through.json()["truth_m"]) < 5.0
+    alone = rest.post("/api/v1/simulations", json=sent | {"path_m": [[2.0, 2.0]]}).json()
+    assert alone["scan"]["planes"]
+    assert alone["samples"] == []
+    for path in ([[-50.0, 0.0]], [[2.0, 2.0], [9e4, 0.0]], []):
+        refused = rest.post("/api/v1/simulations", json=sent | {"path_m": path})
+        assert refused.status_code == 422
+    assert rest.post("/api/v1/simulations", json=sent | {"building": "x"}).status_code == 404
 
 
 def test_a_recording_without_a_walk_is_no_data_set(server, phones, rest):

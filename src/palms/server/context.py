@@ -15,7 +15,7 @@ from palms.server.limits import Limits
 from palms.server.sessions import Sessions
 from palms.server.workshop import Workshop
 
-__all__ = ["Context", "Operator", "Parts", "context_of"]
+__all__ = ["Context", "Linked", "Operator", "Parts", "Visitor", "context_of"]
 
 
 @dataclass(frozen=True)
@@ -48,5 +48,28 @@ def _operator(request: Request) -> None:
         raise HTTPException(401, "send the server's token as Authorization: Bearer TOKEN")
 
 
+def _visitor(request: Request, building: str) -> None:
+    """Refuse who is neither the operator nor has a session, or a link, in this building."""
+    context, header = context_of(request), request.headers.get("authorization", "")
+    if context.gate.is_operator(header):
+        return
+    session = context.sessions.opened_by(header.partition(" ")[2].strip())
+    if session is None or session.row.building != building:
+        context.sessions.metrics.count("denied_total")
+        raise HTTPException(401, "send the token, or a session's key, as Authorization: Bearer ...")
+
+
+def _linked(request: Request, recording: str) -> None:
+    """Refuse who is neither the operator nor has a link to this recording."""
+    context, header = context_of(request), request.headers.get("authorization", "")
+    grant = context.gate.linked(header.partition(" ")[2].strip())
+    if context.gate.is_operator(header) or (grant is not None and grant.session == recording):
+        return
+    context.sessions.metrics.count("denied_total")
+    raise HTTPException(401, "send the token, or a link's key, as Authorization: Bearer ...")
+
+
 Parts = Annotated[Context, Depends(_parts)]
 Operator = Depends(_operator)
+Visitor = Depends(_visitor)
+Linked = Depends(_linked)

@@ -65,11 +65,14 @@ class Grant:
         The only session that it opens; None: a new one, or any for an operator.
     until_s : float
         On the gate's clock.
+    building : str or None
+        For a walker: the only building; None: any.
     """
 
     role: str
     session: str | None
     until_s: float
+    building: str | None = None
 
 
 class Gate:
@@ -133,9 +136,12 @@ class Gate:
         matches = hmac.compare_digest(hashed(token.strip()), self._token)
         return matches and kind.lower() == "bearer"
 
-    def ticket(self, role: str, session: str | None, for_s: float) -> str:
+    def ticket(
+        self, role: str, session: str | None, for_s: float, building: str | None = None
+    ) -> str:
         """Return a new ticket, good once."""
-        return self._granted(self._tickets, Grant(role, session, self._now_s() + for_s))
+        until_s = self._now_s() + for_s
+        return self._granted(self._tickets, Grant(role, session, until_s, building))
 
     def link(self, session: str, for_s: float) -> str:
         """Return a new key that lets others look on until it expires."""

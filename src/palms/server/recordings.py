@@ -62,7 +62,8 @@ def recording_track(row: SessionRow, inputs: Inputs, plan_text: str) -> dict[str
         events += [{"kind": kind, "seq": message.seq, "t_s": t_s} for kind, t_s in outcome.events]
     return {
         "schema": "palms-replay/1", "recording": row.id, "building": row.building,
-        "level": row.level, "estimates": estimates, "events": events,
+        "level": row.level, "plan": json.loads(plan_text), "estimates": estimates,
+        "events": events,
     }  # fmt: skip
 
 

@@ -75,7 +75,8 @@ def _server(setup: Setup, place: Place) -> Any:  # noqa: ANN401 - uvicorn's
             make_application(setup), log_config=None, access_log=False, server_header=False,
             date_header=False, proxy_headers=False, lifespan="on", ws="websockets-sansio",
             ws_max_size=limits.message_bytes, ws_per_message_deflate=False,
-            timeout_keep_alive=5, timeout_graceful_shutdown=STOP_S,
+            timeout_keep_alive=5, limit_concurrency=limits.sockets + 200,
+            timeout_graceful_shutdown=STOP_S,
             ssl_certfile=None if certificate is None else certificate.certificate,
             ssl_keyfile=None if certificate is None else certificate.key,
         )

@@ -89,6 +89,7 @@ class Sessions:
         self._gate = gate
         self._pools = pools
         self._sessions: dict[str, Session] = {}
+        self._drawing: set[asyncio.Task[None]] = set()
 
     async def open(self) -> None:
         """Take up the sessions that the store has; they are replayed when a client comes."""
@@ -136,6 +137,15 @@ class Sessions:
         if not secrets.compare_digest(hashed(key or ""), known) or found is None or found.is_over:
             raise Refused("unknown", "there is no such session, or its key is another")
         return found
+
+    def opened_by(self, secret: str) -> Session | None:
+        """Return the session that a key or a link opens, to walk or to look on."""
+        found = hashed(secret)
+        grant = self._gate.linked(secret)
+        for session in self._sessions.values():
+            if session.row.key_hash == found or (grant and grant.session == session.row.id):
+                return session
+        return None
 
     # Coming and going
 
@@ -378,8 +388,10 @@ class Sessions:
         session.tell(outcome, message.seq)
         self.metrics.count("estimates_total")
         self._show_particles(session, session.seats)
-        if outcome.scan is not None:
-            await self._show_heatmaps(session, session.seats)
+        if outcome.scan is not None and session.wants("heatmaps"):
+            drawing = asyncio.create_task(self._show_heatmaps(session, session.seats))
+            self._drawing.add(drawing)
+            drawing.add_done_callback(self._drawing.discard)
 
     def _show_particles(self, session: Session, seats: list[Seat]) -> None:
         assert session.follower is not None

@@ -74,10 +74,15 @@ class Workshop:
             return await asyncio.to_thread(self._in_process, work, arguments)
 
     def _in_process(self, work: Callable[..., Any], arguments: Sequence[object]) -> Any:  # noqa: ANN401
+        """Do the work elsewhere; whatever becomes of it, no file of it stays."""
+        with tempfile.TemporaryDirectory(prefix="palms-") as folder:
+            return self._in_folder(folder, work, arguments)
+
+    def _in_folder(self, folder: str, work: Callable[..., Any], arguments: Sequence[object]) -> Any:  # noqa: ANN401
         context = multiprocessing.get_context("spawn")
         here, there = context.Pipe(duplex=False)
         process = context.Process(
-            target=_work, args=(there, self.limits, work, tuple(arguments)), daemon=True
+            target=_work, args=(there, folder, self.limits, work, tuple(arguments)), daemon=True
         )
         process.start()
         there.close()
@@ -113,12 +118,17 @@ def _turn(most: int) -> asyncio.Semaphore:
 
 
 def _work(
-    there: Connection, limits: Limits, work: Callable[..., Any], arguments: tuple[Any, ...]
+    there: Connection,
+    folder: str,
+    limits: Limits,
+    work: Callable[..., Any],
+    arguments: tuple[Any, ...],
 ) -> None:
     """Do the work in a process of its own; errors go back as one line."""
     with contextlib.suppress(ValueError, OSError):
         signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    tempfile.tempdir = folder
     _restrict(limits)
     with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
         try:

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
-from palms.server.messages.base import Message
+from palms.server.messages.base import Message, Point
+from palms.server.messages.inputs import Sample, Scan
 
 __all__ = [
     "Building",
     "BuildingList",
     "Health",
     "Level",
+    "LinkRequest",
     "Plan",
     "PlanRoom",
     "Problem",
@@ -20,6 +22,8 @@ __all__ = [
     "RecordingSummary",
     "SessionList",
     "SessionSummary",
+    "Simulation",
+    "SimulationRequest",
     "Ticket",
     "TicketRequest",
 ]
@@ -110,11 +114,38 @@ class RecordingList(Message):
     recordings: tuple[RecordingSummary, ...]
 
 
+class SimulationRequest(Message):
+    """A walk that somebody drew, to be scanned and walked by a simulated phone."""
+
+    model_config = ConfigDict(strict=False)  # FastAPI gives lists, not tuples
+
+    building: str = Field(max_length=100)
+    level: str | None = Field(None, max_length=200)
+    path_m: tuple[Point, ...] = Field(min_length=1, max_length=5000)
+    seed: int = Field(0, ge=0, le=2**53)
+
+
+class Simulation(Message):
+    """What a simulated phone sends on a drawn walk, and where it truly was."""
+
+    scan: Scan
+    samples: tuple[Sample, ...]
+    truth_m: tuple[tuple[float, float], ...]
+    is_cut: bool
+
+
+class LinkRequest(Message):
+    """For how long a link to a recording shall be good."""
+
+    ttl_s: float = Field(86_400.0, gt=0, le=30 * 86_400, allow_inf_nan=False)
+
+
 class TicketRequest(Message):
     """What a one-time ticket shall open."""
 
     role: Literal["walker", "viewer"] = "walker"
     session: str | None = Field(None, max_length=100)
+    building: str | None = Field(None, max_length=100)
 
 
 class Ticket(Message):

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, File, Form, HTTPException, Query, Response, UploadFile
 
 from palms.errors import InputError
 from palms.server import messages
 from palms.server.catalogue import UnknownBuilding
-from palms.server.context import Context, Operator, Parts
+from palms.server.context import Context, Operator, Parts, Visitor
 from palms.server.plans import plan_of
 from palms.server.workshop import Upload, read_plan_text
 
-__all__ = ["router", "upload_of"]
+__all__ = ["found_building", "router", "upload_of"]
 
 router = APIRouter(prefix="/api/v1/buildings", tags=["buildings"])
 PlanFile = Annotated[UploadFile, File(description="The floor plan, in any format that palms reads")]
@@ -23,36 +23,42 @@ Format = Annotated[str, Form(max_length=40, description="The file's format; foun
 Options = Annotated[
     list[str], Form(max_length=20, description="Options of its reader, as name=value")
 ]
+VISITED: dict[int | str, dict[str, Any]] = {
+    401: {"model": messages.Problem},
+    404: {"model": messages.Problem},
+}
 LevelQuery = Annotated[str | None, Query(max_length=200, description="The first if left out")]
 
 
-def _found(context: Context, building: str) -> messages.Building:
+def found_building(context: Context, building: str) -> messages.Building:
+    """Return a building, or answer that there is none."""
     try:
         return context.catalogue.building(building)
     except UnknownBuilding as error:
         raise HTTPException(404, str(error)) from None
 
 
-@router.get("")
+@router.get("", dependencies=[Operator], responses={401: {"model": messages.Problem}})
 async def list_buildings(context: Parts) -> messages.BuildingList:
     """List all buildings."""
     return messages.BuildingList(buildings=context.catalogue.all())
 
 
-@router.get("/{building}", responses={404: {"model": messages.Problem}})
+@router.get("/{building}", dependencies=[Visitor], responses=VISITED)
 async def show_building(context: Parts, building: str) -> messages.Building:
     """Show one building in few words."""
-    return _found(context, building)
+    return found_building(context, building)
 
 
 @router.get(
     "/{building}/plan",
     response_model=messages.Plan,
-    responses={404: {"model": messages.Problem}},
+    dependencies=[Visitor],
+    responses=VISITED,
 )
 async def show_plan(context: Parts, building: str, level: LevelQuery = None) -> Response:
     """Show a level whole: segments, rooms, outline."""
-    _found(context, building)
+    found_building(context, building)
     try:
         text = context.catalogue.plan_text(building, level)
     except UnknownBuilding as error:
@@ -60,12 +66,12 @@ async def show_plan(context: Parts, building: str, level: LevelQuery = None) -> 
     return Response(text, media_type="application/json")
 
 
-@router.get("/{building}/rooms", responses={404: {"model": messages.Problem}})
+@router.get("/{building}/rooms", dependencies=[Visitor], responses=VISITED)
 async def show_rooms(
     context: Parts, building: str, level: LevelQuery = None
 ) -> list[messages.PlanRoom]:
     """List the rooms of a level."""
-    _found(context, building)
+    found_building(context, building)
     try:
         text = context.catalogue.plan_text(building, level)
     except UnknownBuilding as error:
@@ -120,7 +126,7 @@ async def add_level(
     option: Options = [],  # noqa: B006 - a form's default
 ) -> messages.Building:
     """Upload one more level of a building."""
-    known = _found(context, building)
+    known = found_building(context, building)
     text, own_level = await context.workshop.do(
         read_plan_text, await upload_of(file, format, option), known.name
     )
@@ -139,7 +145,7 @@ async def add_level(
 )  # fmt: skip
 async def delete_building(context: Parts, building: str) -> None:
     """Delete a building for good; its sessions and recordings must have gone before."""
-    _found(context, building)
+    found_building(context, building)
     try:
         deleted = await context.catalogue.delete(building)
     except InputError as error:

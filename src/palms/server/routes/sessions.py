@@ -8,9 +8,10 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Body, Header, HTTPException, Response
 
 from palms.server import messages
-from palms.server.context import Context, Operator, Parts
+from palms.server.context import Context, Linked, Operator, Parts
 from palms.server.push import readings_of
 from palms.server.recordings import dataset_zip, recording_document, recording_track
+from palms.server.routes.buildings import found_building
 from palms.server.session import Refused, Session
 from palms.server.store import SessionRow
 
@@ -58,11 +59,12 @@ async def make_ticket(context: Parts, wanted: messages.TicketRequest) -> message
             context.sessions.find(wanted.session or "")
         except Refused as error:
             raise HTTPException(404, str(error)) from None
+    elif wanted.building is not None:
+        found_building(context, wanted.building)
     session = wanted.session if wanted.role == "viewer" else None
     for_s = context.limits.ticket_s
-    return messages.Ticket(
-        ticket=context.gate.ticket(wanted.role, session, for_s), expires_in_s=for_s
-    )
+    ticket = context.gate.ticket(wanted.role, session, for_s, wanted.building)
+    return messages.Ticket(ticket=ticket, expires_in_s=for_s)
 
 
 @router.get("/recordings", dependencies=[Operator], responses=DENIED)
@@ -98,7 +100,17 @@ async def show_recording(context: Parts, recording: str) -> dict[str, Any]:
     return recording_document(row, inputs)
 
 
-@router.get("/recordings/{recording}/track", dependencies=[Operator], responses=MISSING)
+@router.post("/recordings/{recording}/links", dependencies=[Operator], responses=MISSING)
+async def share_recording(
+    context: Parts, recording: str, wanted: messages.LinkRequest
+) -> messages.Link:
+    """Make a link: a key with which others see the recording's track and plan, until it expires."""
+    row, _, _ = await _recording(context, recording)
+    view = context.gate.link(row.id, wanted.ttl_s)
+    return messages.Link(view=view, expires_in_s=wanted.ttl_s)
+
+
+@router.get("/recordings/{recording}/track", dependencies=[Linked], responses=MISSING)
 async def show_track(context: Parts, recording: str) -> dict[str, Any]:
     """Follow a recording again: the estimates and events that its walker got."""
     row, inputs, plan = await _recording(context, recording)
@@ -126,6 +138,7 @@ async def export_dataset(context: Parts, recording: str) -> Response:
 async def delete_recording(context: Parts, recording: str) -> None:
     """Delete a recording for good."""
     row, _, _ = await _recording(context, recording)
+    context.gate.revoke(row.id)
     await context.journal.do(context.journal.store.delete_sessions, [row.id])
 
 

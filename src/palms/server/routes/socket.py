@@ -127,7 +127,7 @@ class _Conversation:
             seat = await sessions.sit(session, hello)
             sessions.metrics.count("sessions_resumed_total")
             return session, seat, sessions.welcome(session, seat, None, True)
-        self._may_begin(hello)
+        hello = self._allowed(hello)
         session, key = await sessions.begin(hello)
         seat = await sessions.sit(session, hello)
         return session, seat, sessions.welcome(session, seat, key, False)
@@ -154,12 +154,18 @@ class _Conversation:
             self._denied("looking on needs a link or a ticket that has not expired")
         return grant.session
 
-    def _may_begin(self, hello: messages.Hello) -> None:
+    def _allowed(self, hello: messages.Hello) -> messages.Hello:
+        """Return the hello of who may open a session, in the building of its ticket."""
         if self._is_operator():
-            return
+            return hello
         grant = None if hello.ticket is None else self._context.gate.redeem(hello.ticket)
         if grant is None or grant.role != "walker":
             self._denied("a new session needs a ticket that has not been used, or the token")
+        if grant.building is None:
+            return hello
+        if hello.building not in (None, grant.building):
+            self._denied("the ticket is for another building")
+        return hello.model_copy(update={"building": grant.building})
 
     async def _talk(self, session: Session, seat: Seat, welcome: messages.Welcome) -> None:
         await self._socket.send_text(welcome.model_dump_json())
