@@ -35,6 +35,7 @@ from palms.settings import Settings
 
 __all__ = ["Floor", "Follower", "Outcome", "Terms"]
 
+WORTH_SAYING = 0.01  # ours: places of less probability are not told
 _RESTART = 31  # purpose of random numbers
 log = logging.getLogger("palms.server")
 
@@ -244,7 +245,9 @@ class Follower:
             facing_rad=None if facing is None else float(wrap_angle(facing + belief.drift_rad)),
             p_within_1m=found.p_within_1m, p_within_2m=found.p_within_2m,
             radius_68_m=found.radius_68_m, radius_95_m=found.radius_95_m,
-            hypotheses=tuple(self._place(each) for each in found.hypotheses),
+            hypotheses=tuple(
+                self._place(each) for each in found.hypotheses if each.share >= WORTH_SAYING
+            ),
         )  # fmt: skip
 
     def _place(self, found: Any) -> messages.Place:  # noqa: ANN401
