@@ -9,10 +9,11 @@ import pytest
 from palms.server import messages
 from palms.server.catalogue import Catalogue
 from palms.server.gate import Gate
+from palms.server.inputs import Pools
 from palms.server.journal import Journal
 from palms.server.limits import Limits
 from palms.server.session import Refused
-from palms.server.sessions import Pools, Sessions
+from palms.server.sessions import Sessions
 from palms.server.store import Store
 from tests.server.conftest import new_store, whole_walk
 
@@ -48,7 +49,7 @@ async def walked(sessions, n=5, **fields):
     session, key = await sessions.begin(hello)
     seat = await sessions.sit(session, hello)
     for message in whole_walk()[:n]:
-        await sessions.take(session, messages.parse_input(json.dumps(message)))
+        await sessions.inputs.take(session, messages.parse_input(json.dumps(message)))
     return session, key, seat
 
 
@@ -155,7 +156,7 @@ def test_inputs_of_many_sessions_share_their_commits(folder):
             before = sessions._journal.n_commits
             inputs = [messages.parse_input(json.dumps(each)) for each in whole_walk()[1:9]]
             for message in inputs:
-                await asyncio.gather(*(sessions.take(s, message) for s, _, _ in found))
+                await asyncio.gather(*(sessions.inputs.take(s, message) for s, _, _ in found))
             commits = sessions._journal.n_commits - before
             assert commits < len(found) * len(inputs)
             assert all(s.next_seq == 10 for s, _, _ in found)
@@ -178,11 +179,11 @@ def test_a_store_that_fails_acknowledges_nothing(folder, monkeypatch):
             monkeypatch.setattr(sessions._journal.store, "append", full)
             message = messages.parse_input(json.dumps(whole_walk()[2]))
             with pytest.raises(Refused, match="send it again"):
-                await sessions.take(session, message)
+                await sessions.inputs.take(session, message)
             assert seat.outbox.take() is None
             monkeypatch.undo()
             assert session.next_seq == 3
-            await sessions.take(session, message)
+            await sessions.inputs.take(session, message)
             assert session.next_seq == 4
 
     asyncio.run(run())

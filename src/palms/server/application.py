@@ -22,10 +22,11 @@ from palms.server.catalogue import Catalogue
 from palms.server.context import Context
 from palms.server.gate import Gate
 from palms.server.guard import Guard
+from palms.server.inputs import Pools
 from palms.server.journal import Journal
 from palms.server.limits import Limits
 from palms.server.routes import buildings, operations, sessions, simulations, socket, tracks
-from palms.server.sessions import Pools, Sessions
+from palms.server.sessions import Sessions
 from palms.server.store import Store
 from palms.server.workshop import Workshop
 

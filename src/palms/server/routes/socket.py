@@ -169,7 +169,7 @@ class _Conversation:
 
     async def _talk(self, session: Session, seat: Seat, welcome: messages.Welcome) -> None:
         await self._socket.send_text(welcome.model_dump_json())
-        await self._sessions.catch_up(session, seat)
+        await self._sessions.inputs.catch_up(session, seat)
         sender = asyncio.create_task(
             seat.outbox.send_all(self._send, self._limits.send_s), name="sender"
         )
@@ -237,7 +237,7 @@ class _Conversation:
     async def _take(self, session: Session, seat: Seat, message: messages.Input) -> None:
         try:
             # once it is on disk it is followed, whether or not the client is still there
-            await asyncio.shield(self._sessions.take(session, message))
+            await asyncio.shield(self._sessions.inputs.take(session, message))
         except Refused as error:
             seat.say(
                 messages.Error.model_construct(
