@@ -241,7 +241,7 @@ class Follower:
         return messages.Estimate.model_construct(
             **common, **self._on_earth(x, y), x_m=x, y_m=y, room=self.floor.name_of(x, y),
             heading_rad=found.heading_rad, drift_rad=found.drift_rad,
-            drift_spread_rad=_spread(belief.particles.drift_rad, belief.particles.weight),
+            drift_spread_rad=self._drift_spread(),
             facing_rad=None if facing is None else float(wrap_angle(facing + belief.drift_rad)),
             p_within_1m=found.p_within_1m, p_within_2m=found.p_within_2m,
             radius_68_m=found.radius_68_m, radius_95_m=found.radius_95_m,
@@ -249,6 +249,13 @@ class Follower:
                 self._place(each) for each in found.hypotheses if each.share >= WORTH_SAYING
             ),
         )  # fmt: skip
+
+    def _drift_spread(self) -> float | None:
+        """Return how sure the drift is; nobody asks while it may be anything."""
+        belief = self.localizer.belief
+        if belief is None or belief.stage == Stage.SEARCHING:
+            return None
+        return _spread(belief.particles.drift_rad, belief.particles.weight)
 
     def _place(self, found: Any) -> messages.Place:  # noqa: ANN401
         return messages.Place.model_construct(
