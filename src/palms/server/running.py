@@ -13,6 +13,7 @@ from typing import Any
 
 from palms.errors import PalmsError
 from palms.server.application import Setup, make_application
+from palms.server.gate import is_loopback
 from palms.server.tls import Certificate
 
 __all__ = ["Place", "data_folder", "in_background", "run", "warm_up"]
@@ -69,6 +70,11 @@ class Place:
 def _server(setup: Setup, place: Place) -> Any:  # noqa: ANN401 - uvicorn's
     import uvicorn
 
+    if setup.gate.is_open and not is_loopback(place.host):
+        raise PalmsError(
+            f"address {place.host}", expected="a token, since others can reach it", got="none",
+            fix="give the setup a Gate with a token",
+        )  # fmt: skip
     limits, certificate = setup.limits, place.certificate
     return uvicorn.Server(
         uvicorn.Config(
