@@ -285,6 +285,7 @@ def test_the_server_says_how_it_is(rest):
         assert name in text
     copy = rest.get("/api/v1/backup").content
     assert copy.startswith(b"SQLite format 3")
+    assert rest.get("/api/v1/buildings").headers["cache-control"] == "no-store"
     page = rest.get("/")
     assert page.status_code == 200
     assert "default-src 'self'" in page.headers["content-security-policy"]

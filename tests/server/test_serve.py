@@ -7,6 +7,10 @@ import pytest
 from typer.testing import CliRunner
 
 from palms.cli.app import app
+from palms.errors import PalmsError
+from palms.server.application import Setup
+from palms.server.gate import Gate
+from palms.server.running import Place, in_background
 from palms.server.store import FILE
 
 
@@ -41,6 +45,12 @@ def test_options_that_cannot_be_are_said_in_one_line(tmp_path):
     both = ("--tls-cert", tmp_path / "token", "--tls-key", tmp_path / "token")
     assert "certificate" in fails(*data, *both)
     assert "address" in fails(*data, "--host", "203.0.113.7")
+
+
+def test_an_open_gate_is_for_this_machine_alone(tmp_path):
+    setup = Setup(tmp_path / "data", Gate())
+    with pytest.raises(PalmsError, match="a token"), in_background(setup, Place("0.0.0.0", 0)):
+        pass
 
 
 def test_a_port_in_use_and_a_store_of_others_are_said_in_one_line(tmp_path):

@@ -107,12 +107,14 @@ def _with_headers(scope: Scope, send: Send) -> Send:
     if scope["type"] != "http":
         return send
 
+    is_data = scope["path"].startswith(("/api/", "/metrics"))
+
     async def sending(message: Message) -> None:
         if message["type"] == "http.response.start":
             known = {name for name, _ in message["headers"]}
-            extra = [
-                (k.encode(), v.encode()) for k, v in HEADERS.items() if k.encode() not in known
-            ]
+            wanted = HEADERS | ({"cache-control": "no-store"} if is_data else {})
+            pairs = [(name.encode(), value.encode()) for name, value in wanted.items()]
+            extra = [pair for pair in pairs if pair[0] not in known]
             message = {**message, "headers": [*message["headers"], *extra]}
         await send(message)
 
