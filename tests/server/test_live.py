@@ -13,6 +13,7 @@ from palms.settings import Settings
 from tests.server.conftest import (
     START,
     hall,
+    new_store,
     odometry,
     positions,
     scan,
@@ -268,9 +269,7 @@ def test_beyond_the_limit_new_sessions_are_refused_and_old_ones_go_on(serve, pho
 
 
 def test_limits_of_one_client_hold(serve, phones):
-    url = serve(Limits(message_bytes=5000, inputs=3, viewers=1, hello_s=0.2, idle_s=0.3, sockets=4))
-    silent = phones(url)
-    assert silent.next()["code"] == "slow"
+    url = serve(Limits(message_bytes=5000, inputs=3, viewers=1))
     phone = phones(url)
     welcome = phone.hello()
     for number in range(2):
@@ -280,11 +279,28 @@ def test_limits_of_one_client_hold(serve, phones):
     for message in whole_walk()[:4]:
         phone.say(message)
     assert phone.until("error", seq=4)["code"] == "full"
-    assert phone.rest()[0][-1]["code"] == "slow"
     large = phones(url)
     large.hello()
     large.say(json.dumps({"type": "pause", "seq": 1, "padding": "x" * 6000}))
     assert large.rest()[1] == 1009
+
+
+def test_who_says_nothing_is_let_go_and_may_come_back(serve, phones, tmp_path):
+    silent = phones(serve(Limits(hello_s=0.05)))
+    assert silent.next()["code"] == "slow"
+    url = serve(Limits(idle_s=0.05), folder=new_store(tmp_path / "other"))
+    idle = phones(url)
+    welcome = idle.hello()
+    assert idle.rest()[0][-1]["code"] == "slow"
+    assert phones(url).hello(session=welcome["session"], key=welcome["key"])["resumed"]
+
+
+def test_sockets_are_counted(serve, phones):
+    url = serve(Limits(sockets=1))
+    phone = phones(url)
+    phone.hello()
+    assert phones(url).next()["code"] == "full"
+    phone.walk(whole_walk()[:2])
 
 
 def test_a_client_who_is_too_quick_is_read_more_slowly(serve, phones):
