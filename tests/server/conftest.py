@@ -5,7 +5,9 @@ from __future__ import annotations
 import contextlib
 import json
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import httpx
 import numpy as np
@@ -25,6 +27,13 @@ from palms.server.running import in_background
 from palms.server.store import BuildingRow, Store
 from tests.worlds import seen_from, two_rooms
 
+PATIENCE_S = 90  # so long may a machine that is busy take
+http = SimpleNamespace(
+    **{
+        name: partial(getattr(httpx, name), timeout=PATIENCE_S)
+        for name in ("get", "post", "delete")
+    }
+)
 START = np.array([2.0, 2.0])
 DRIFT = 0.4
 STEPS = [*[[0.3, 0.0]] * 4, *[[0.0, 0.3]] * 5, *[[-0.3, 0.0]] * 4]
@@ -73,7 +82,10 @@ class Phone:
 
     def __init__(self, url, **kwargs):
         self.opened = connect(
-            "ws" + url.removeprefix("http") + "/api/v1/live", compression=None, **kwargs
+            "ws" + url.removeprefix("http") + "/api/v1/live",
+            compression=None,
+            open_timeout=PATIENCE_S,
+            **kwargs,
         )
         self.socket = self.opened.__enter__()
         self.frames = []
@@ -81,7 +93,7 @@ class Phone:
     def say(self, message):
         self.socket.send(message if isinstance(message, str) else json.dumps(message))
 
-    def next(self, timeout=20):
+    def next(self, timeout=PATIENCE_S):
         content = self.socket.recv(timeout)
         if isinstance(content, bytes):
             self.frames.append(messages.unpack_frame(content))

@@ -11,7 +11,7 @@ from palms.client import Client
 from palms.errors import InputError, PalmsError
 from palms.inertial import dead_reckon
 from palms.server import messages
-from tests.server.conftest import hall, positions, scan_walls
+from tests.server.conftest import hall, http, positions, scan_walls
 from tests.server.test_reckoner import walked
 
 
@@ -133,7 +133,7 @@ def test_readings_that_an_app_pushes_become_steps(server, phones):
     phone.until("estimate", seq=1)
     url = f"{server}/api/v1/push/{welcome['session']}"
     right = {"Authorization": f"Bearer {welcome['key']}"}
-    with httpx.Client(headers=right) as app:
+    with httpx.Client(headers=right, timeout=60) as app:
         for body in pushes(log, 30.0):
             answer = app.post(url, json=body)
             assert answer.status_code == 200, answer.text
@@ -141,8 +141,8 @@ def test_readings_that_an_app_pushes_become_steps(server, phones):
         assert app.post(url, json=body).json()["status"] == "repeated"
         assert app.post(url, json={"no": "payload"}).status_code == 422
         assert app.post(url, json={"payload": [None, {"name": []}]}).status_code == 200
-    assert httpx.post(url, json=body).status_code == 404
-    assert httpx.post(url, json=body, headers={"Authorization": "Bearer x"}).status_code == 404
+    assert http.post(url, json=body).status_code == 404
+    assert http.post(url, json=body, headers={"Authorization": "Bearer x"}).status_code == 404
     last = phone.until("estimate", seq=ack["seq"])
     assert last["walked_m"] == pytest.approx(dead_reckon(log).walked_m[-1], rel=0.05)
     assert json.dumps(last)

@@ -121,6 +121,26 @@ def test_facing_is_turned_into_the_map_and_said_with_its_spread():
     assert 0 <= found.drift_spread_rad < 1.5
 
 
+@pytest.mark.parametrize(
+    ("walls", "error"),
+    [
+        ([[[-9e4, 2.0 + 0.01 * i], [9e4, 2.0]] for i in range(12)], None),
+        ([[[-9e4, 2.0 + 0.01 * i], [9e4, 2.0]] for i in range(300)], "at most"),
+        ([[[1.0, 2.0], [1.0, 2.2 + 0.001 * i]] for i in range(1000)], "at most"),
+        ([[[500.0, 2.0], [501.0, 2.0]]], "at least one"),
+        ([[[1.0, 2.0], [1.0, 2.0]]], "at least one"),
+    ],
+)
+def test_a_scan_of_absurd_walls_is_cut_or_refused(walls, error):
+    follower = Follower(FLOOR, TERMS)
+    outcome = follower.apply(parsed([scan() | {"planes": walls}])[0])
+    assert not outcome.is_defect
+    assert (outcome.error is None) == (error is None)
+    assert error is None or error in outcome.error
+    if error is None:
+        assert np.abs(outcome.scan.walls_m).max() <= 30.0
+
+
 def test_a_far_jump_costs_no_time_and_no_belief():
     follower = Follower(FLOOR, TERMS)
     for message in parsed([*whole_walk(), odometry(15, [9e4, 9e4]), odometry(16, [9e4, 9e4 + 1])]):

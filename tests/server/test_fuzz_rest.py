@@ -1,6 +1,5 @@
 """REST under fire: whatever comes, the answer is one that OpenAPI names, and never a 5xx."""
 
-import httpx
 import pytest
 import schemathesis
 from hypothesis import HealthCheck, Phase, given, settings
@@ -8,7 +7,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from palms.server.application import Setup
 from palms.server.limits import Limits
 from palms.server.running import in_background
-from tests.server.conftest import new_store
+from tests.server.conftest import http, new_store
 
 
 @pytest.fixture(scope="module")
@@ -43,5 +42,5 @@ def fire(operation):
 
 
 def test_the_server_still_works_after_that(fuzzed):
-    assert httpx.get(f"{fuzzed}/health").status_code == 200
-    assert "palms_defects_total 0" in httpx.get(f"{fuzzed}/metrics").text
+    assert http.get(f"{fuzzed}/health").status_code == 200
+    assert "palms_defects_total 0" in http.get(f"{fuzzed}/metrics").text

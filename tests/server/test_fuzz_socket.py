@@ -2,11 +2,10 @@
 
 import json
 
-import httpx
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tests.server.conftest import Phone, hall, odometry, positions, scan, whole_walk
+from tests.server.conftest import Phone, hall, http, odometry, positions, scan, whole_walk
 
 NUMBERS = st.one_of(
     st.integers(-3, 30), st.floats(allow_nan=True, allow_infinity=True),
@@ -74,7 +73,7 @@ def test_whatever_a_phone_sends_the_server_answers_and_others_go_on(server, mess
     again.say({"type": "end"})
     again.until("ended")
     again.close()
-    assert "palms_defects_total 0" in httpx.get(f"{server}/metrics").text
+    assert "palms_defects_total 0" in http.get(f"{server}/metrics").text
 
 
 @given(

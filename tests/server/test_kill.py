@@ -96,7 +96,7 @@ def test_another_address_speaks_tls_and_needs_the_token_that_is_shown(served):
     folder = Path(server.process.args[7])
     trust = ssl.create_default_context(cafile=folder / "tls" / "certificate.pem")
     operator = {"Authorization": f"Bearer {token}"}
-    with httpx.Client(base_url=server.url, verify=trust) as rest:
+    with httpx.Client(base_url=server.url, verify=trust, timeout=60) as rest:
         assert rest.get("/health").status_code == 200
         assert rest.get("/health", headers={"Host": "elsewhere.example"}).status_code == 421
         assert rest.get("/api/v1/sessions").status_code == 401
@@ -107,6 +107,6 @@ def test_another_address_speaks_tls_and_needs_the_token_that_is_shown(served):
     assert (folder / "tls" / "key.pem").stat().st_mode & 0o077 == 0
     server.process.send_signal(signal.SIGTERM)
     assert phone.rest()[1] in (1012, 1001)
-    errors = server.process.communicate(timeout=30)[1]
+    errors = server.process.communicate(timeout=120)[1]
     assert server.process.returncode in (0, -signal.SIGTERM)
     assert "Traceback" not in errors

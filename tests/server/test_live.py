@@ -2,7 +2,6 @@
 
 import json
 
-import httpx
 import numpy as np
 import pytest
 from websockets.exceptions import InvalidStatus
@@ -13,6 +12,7 @@ from palms.settings import Settings
 from tests.server.conftest import (
     START,
     hall,
+    http,
     new_store,
     odometry,
     positions,
@@ -309,7 +309,7 @@ def test_a_client_who_is_too_quick_is_read_more_slowly(serve, phones):
     phone.hello()
     last = phone.walk(whole_walk())
     assert last["seq"] == 14
-    text = httpx.get(url + "/metrics").text
+    text = http.get(url + "/metrics").text
     assert "palms_inputs_total 14" in text
 
 
@@ -318,10 +318,10 @@ def test_pages_of_others_and_unknown_names_are_refused(server, phones):
         phones(server, additional_headers={"Origin": "https://evil.example"})
     assert refused.value.response.status_code == 403
     assert phones(server, additional_headers={"Origin": server}).hello()["type"] == "welcome"
-    answer = httpx.get(server + "/health", headers={"Host": "evil.example"})
+    answer = http.get(server + "/health", headers={"Host": "evil.example"})
     assert answer.status_code == 421
-    assert httpx.get(server + "/health", headers={"Origin": "null"}).status_code == 403
-    assert httpx.get(server + "/health", headers={"Origin": server}).status_code == 200
+    assert http.get(server + "/health", headers={"Origin": "null"}).status_code == 403
+    assert http.get(server + "/health", headers={"Origin": server}).status_code == 200
 
 
 def test_with_a_token_nobody_walks_without_it_or_a_ticket(serve, phones):
@@ -332,22 +332,22 @@ def test_with_a_token_nobody_walks_without_it_or_a_ticket(serve, phones):
     assert phones(url, additional_headers={"Authorization": "Bearer x"}).hello()["code"]
     welcome = phones(url, additional_headers=operator).hello()
     assert welcome["type"] == "welcome"
-    made = httpx.post(url + "/api/v1/tickets", json={"role": "walker"}, headers=operator).json()
+    made = http.post(url + "/api/v1/tickets", json={"role": "walker"}, headers=operator).json()
     assert phones(url).hello(ticket=made["ticket"])["type"] == "welcome"
     assert phones(url).hello(ticket=made["ticket"])["code"] == "forbidden"
     wanted = {"role": "viewer", "session": welcome["session"]}
-    look = httpx.post(url + "/api/v1/tickets", json=wanted, headers=operator).json()["ticket"]
+    look = http.post(url + "/api/v1/tickets", json=wanted, headers=operator).json()["ticket"]
     assert phones(url).hello(ticket=look)["code"] == "forbidden"
-    only = httpx.post(url + "/api/v1/tickets", json={"building": "hall"}, headers=operator).json()
+    only = http.post(url + "/api/v1/tickets", json={"building": "hall"}, headers=operator).json()
     assert phones(url).hello(ticket=only["ticket"], building="sample")["code"] == "forbidden"
-    only = httpx.post(url + "/api/v1/tickets", json={"building": "hall"}, headers=operator).json()
+    only = http.post(url + "/api/v1/tickets", json={"building": "hall"}, headers=operator).json()
     mine = phones(url).hello(ticket=only["ticket"], building=None)
     key = {"Authorization": f"Bearer {mine['key']}"}
-    assert httpx.get(url + "/api/v1/buildings/hall/plan", headers=key).status_code == 200
-    assert httpx.get(url + "/api/v1/buildings/other/plan", headers=key).status_code == 401
-    assert httpx.get(url + "/api/v1/buildings/hall/plan").status_code == 401
+    assert http.get(url + "/api/v1/buildings/hall/plan", headers=key).status_code == 200
+    assert http.get(url + "/api/v1/buildings/other/plan", headers=key).status_code == 401
+    assert http.get(url + "/api/v1/buildings/hall/plan").status_code == 401
     for private in ("sessions", "recordings", "backup", "buildings"):
-        assert httpx.get(f"{url}/api/v1/{private}").status_code == 401
-    assert httpx.get(url + "/metrics").status_code == 401
-    assert httpx.get(url + "/health").status_code == 200
-    assert httpx.delete(url + "/api/v1/buildings/hall").status_code == 401
+        assert http.get(f"{url}/api/v1/{private}").status_code == 401
+    assert http.get(url + "/metrics").status_code == 401
+    assert http.get(url + "/health").status_code == 200
+    assert http.delete(url + "/api/v1/buildings/hall").status_code == 401

@@ -85,6 +85,17 @@ def test_readings_that_come_twice_change_nothing():
     assert once
 
 
+def test_readings_from_far_apart_take_no_memory():
+    readings_ = [
+        Reading(sensor=sensor, t_s=t, values=(0.0, 0.0, 9.8))
+        for sensor in ("totalacceleration", "gyroscope")
+        for t in (0.0, 1.0, 2e4, 2e4 + 1, 1e9, 1e9 + 0.5, 1e9 + 3.0)
+    ]
+    reckoner, samples = reckoned(Reckoner(), Inertial(seq=1, readings=tuple(readings_)))
+    assert samples == ()
+    assert len(reckoner.readings["gyroscope"][0]) == 3
+
+
 def test_nobody_walks_and_nothing_is_told():
     still = [Reading(sensor="totalacceleration", t_s=0.01 * i, values=(0.0, 0.0, 9.8))
              for i in range(1000)]  # fmt: skip

@@ -14,7 +14,7 @@ from palms.geometry import distance_to_segments, rotate
 from palms.io import RecordedWalk, open_dataset, write_scan_json, write_tracking
 from palms.io.track_json import track_document
 from palms.server.limits import Limits
-from tests.server.conftest import hall, positions, scan_walls, whole_walk
+from tests.server.conftest import hall, http, positions, scan_walls, whole_walk
 
 HALL = b"0,0,8,0\n8,0,8,5\n8,5,0,5\n0,5,0,0\n"
 GEOJSON = json.dumps({
@@ -95,7 +95,7 @@ def test_no_path_leads_out_of_the_pages(rest, path):
 
 def test_sizes_rates_and_numbers_have_limits(serve):
     url = serve(Limits(upload_bytes=2000, buildings=2, requests_per_s=0.001, request_burst=8))
-    with httpx.Client(base_url=url) as rest:
+    with httpx.Client(base_url=url, timeout=60) as rest:
         assert upload(rest, "hall.csv", HALL).status_code == 201
         full = upload(rest, "hall.csv", HALL)
         assert full.status_code == 422
@@ -114,21 +114,21 @@ def test_sizes_rates_and_numbers_have_limits(serve):
 def test_a_reader_that_takes_too_long_or_too_much_is_stopped(serve):
     plan = b"".join(b"%d,0,%d,5\n" % (i, i) for i in range(30_000))
     slow = serve(Limits(upload_s=0.05), inline_uploads=False)
-    answer = upload(httpx.Client(base_url=slow, timeout=30), "hall.csv", plan)
+    answer = upload(httpx.Client(base_url=slow, timeout=60), "hall.csv", plan)
     assert answer.status_code == 422
     assert "longer" in answer.json()["error"]
 
 
 def test_a_reader_that_takes_too_much_memory_is_stopped(serve):
     small = serve(Limits(upload_memory_bytes=60_000_000), inline_uploads=False)
-    answer = upload(httpx.Client(base_url=small, timeout=30), "hall.csv", HALL)
+    answer = upload(httpx.Client(base_url=small, timeout=60), "hall.csv", HALL)
     assert answer.status_code == 422
     assert "file" in answer.json()["error"]
 
 
 def test_files_are_read_in_a_process_of_their_own(serve):
     url = serve(inline_uploads=False)
-    made = upload(httpx.Client(base_url=url, timeout=30), "hall.geojson", GEOJSON)
+    made = upload(httpx.Client(base_url=url, timeout=60), "hall.geojson", GEOJSON)
     assert made.status_code == 201, made.text
 
 
@@ -179,7 +179,7 @@ def test_only_what_its_walker_wants_is_recorded(server, phones, rest):
 def test_a_walker_may_discard_and_a_server_may_forbid(serve, phones):
     url = serve(may_record=False)
     assert recorded(url, phones)[0] is None
-    assert httpx.get(url + "/api/v1/recordings").json() == {"recordings": []}
+    assert http.get(url + "/api/v1/recordings").json() == {"recordings": []}
 
 
 def test_a_recording_is_exported_as_a_data_set(server, phones, rest, tmp_path):
@@ -206,16 +206,16 @@ def test_a_link_shows_a_recording_s_track_and_nothing_else(serve, phones):
     operator = {"Authorization": f"Bearer {token}"}
     name, _ = recorded(url, phones, additional_headers=operator)
     place = f"{url}/api/v1/recordings/{name}"
-    view = httpx.post(f"{place}/links", json={"ttl_s": 60}, headers=operator).json()["view"]
+    view = http.post(f"{place}/links", json={"ttl_s": 60}, headers=operator).json()["view"]
     linked = {"Authorization": f"Bearer {view}"}
-    track = httpx.get(f"{place}/track", headers=linked)
+    track = http.get(f"{place}/track", headers=linked)
     assert track.status_code == 200
     assert track.json()["plan"]["schema"] == "palms-plan/1"
     for other in (f"{place}/dataset", place, f"{url}/api/v1/recordings", f"{url}/api/v1/backup"):
-        assert httpx.get(other, headers=linked).status_code == 401
-    assert httpx.get(f"{place}/track").status_code == 401
-    assert httpx.delete(place, headers=operator).status_code == 204
-    assert httpx.get(f"{place}/track", headers=linked).status_code == 401
+        assert http.get(other, headers=linked).status_code == 401
+    assert http.get(f"{place}/track").status_code == 401
+    assert http.delete(place, headers=operator).status_code == 204
+    assert http.get(f"{place}/track", headers=linked).status_code == 401
 
 
 def test_a_drawn_walk_is_simulated_in_one_frame(rest, server, phones):

@@ -18,19 +18,17 @@ from palms.belief import Stage
 from palms.errors import InputError
 from palms.geometry import wrap_angle
 from palms.hints import Hint
-from palms.io.arkit_planes import arkit_scan
 from palms.io.track_json import lonlat
-from palms.io.values import check_array
-from palms.io.webxr_planes import webxr_scan
 from palms.localizer import Localizer
 from palms.odometry import Move
 from palms.randomness import as_key
 from palms.raster import PlanRaster
 from palms.scan import Scan
 from palms.server import messages
-from palms.server.intake import Intake, clocked, ground_pose, taken
+from palms.server.intake import Intake, clocked, taken
 from palms.server.naming import Namer
 from palms.server.reckoner import Reckoner, reckoned
+from palms.server.scans import read_scan
 from palms.settings import Settings
 
 __all__ = ["Floor", "Follower", "Outcome", "Terms"]
@@ -190,7 +188,7 @@ class Follower:
                 self.watch(move)
 
     def _observe(self, message: messages.Scan) -> Scan:
-        scan = _read_scan(message, self.intake.position_m or (0.0, 0.0))
+        scan = read_scan(message, self.intake.position_m or (0.0, 0.0))
         self.intake = clocked(self.intake, message.t_s)
         if self.intake.position_m is None:
             x, y = (float(v) for v in scan.position_m)
@@ -276,25 +274,3 @@ def _spread(drift_rad: Any, weight: Any) -> float:  # noqa: ANN401
     east, north = (weight * np.cos(drift_rad)).sum(), (weight * np.sin(drift_rad)).sum()
     length = math.hypot(float(east), float(north)) / float(weight.sum())
     return min(math.sqrt(max(-2 * math.log(max(length, 1e-12)), 0.0)), math.pi)
-
-
-def _read_scan(message: messages.Scan, here_m: tuple[float, float]) -> Scan:
-    """Return the scan of a message, taken where it says, else where the phone is."""
-    position = message.position_m
-    if position is None:
-        position = here_m if message.pose is None else ground_pose(message.pose).position_m
-    planes = list(message.planes)
-    if message.form == "walls":
-        walls = check_array(_listed(planes), "scan, planes", (None, 2, 2))
-    elif message.form == "webxr":
-        walls = webxr_scan({"planes": planes}, "scan").walls_m
-    else:
-        walls = arkit_scan({"planes": planes}, "scan").walls_m
-    coverage = None
-    if message.coverage_m is not None:
-        coverage = np.array([np.nan if r is None else r for r in message.coverage_m])
-    return Scan(walls, position, coverage, message.t_s)  # type: ignore[arg-type]
-
-
-def _listed(planes: Any) -> Any:  # noqa: ANN401 - tuples of callers in Python, lists of JSON
-    return [_listed(each) for each in planes] if isinstance(planes, list | tuple) else planes

@@ -26,7 +26,8 @@ class Limits:
     message_bytes : int
         Of one message.
     messages_per_s : float
-        Of one client; who is quicker is read more slowly.
+        Of one client; who is quicker is read more slowly. A scan counts as ten, and so do a
+        hundred samples.
     burst : int
         So many messages at once, after a gap of the network.
     ahead : int
@@ -154,11 +155,11 @@ class Meter:
         self._left = float(burst)
         self._at_s: float | None = None
 
-    def wait_s(self, now_s: float) -> float:
-        """Count a message that came now; return for how long it has to wait."""
+    def wait_s(self, now_s: float, cost: float = 1.0) -> float:
+        """Count a message that came now for so many; return for how long it has to wait."""
         passed = 0.0 if self._at_s is None else max(now_s - self._at_s, 0.0)
         self._at_s = now_s
-        self._left = min(self._left + passed * self.per_s, float(self.burst)) - 1
+        self._left = min(self._left + passed * self.per_s, float(self.burst)) - cost
         return max(-self._left / self.per_s, 0.0)
 
     def forgive(self) -> None:

@@ -79,6 +79,7 @@ def reckoned(before: Reckoner, message: Inertial) -> tuple[Reckoner, tuple[Sampl
         return before, ()
     base = message.readings[0].t_s if before.base_s is None else before.base_s
     grown = replace(before, base_s=base, readings=_grown(before.readings, message, base))
+    grown = _forgotten(grown, max(float(time[-1]) for time, _ in grown.readings.values()))
     felt = _felt(grown.readings)
     if felt is None or "gyroscope" not in grown.readings:
         return grown, ()

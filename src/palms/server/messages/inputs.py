@@ -34,6 +34,7 @@ __all__ = [
     "Sample",
     "Scan",
     "Share",
+    "cost",
     "parse_input",
     "parse_message",
 ]
@@ -43,6 +44,7 @@ Sequence = Annotated[int, Field(ge=1, le=2**53)]
 Secret = Annotated[str, Field(max_length=100)]
 Channel = Literal["estimates", "events", "particles", "heatmaps"]
 Sensor = Literal["accelerometer", "gravity", "totalacceleration", "gyroscope", "orientation"]
+SAMPLES_IN_ONE, READINGS_IN_ONE, SCAN_COST = 10, 500, 10.0  # ours: by what they take to follow
 WIDTHS = {"orientation": 4}  # numbers in a reading; 3 elsewhere
 
 
@@ -118,7 +120,7 @@ class Scan(Message):
     seq: Sequence
     t_s: Seconds
     form: Literal["walls", "webxr", "arkit"] = "walls"
-    planes: tuple[Any, ...] = Field(max_length=5000)
+    planes: tuple[Any, ...] = Field(max_length=2000)
     position_m: Point | None = None
     pose: Pose | None = None
     coverage_m: tuple[Metres | None, ...] | None = Field(None, max_length=3600)
@@ -162,6 +164,21 @@ class Inertial(Message):
     seq: Sequence
     platform: Literal["auto", "android", "ios"] = "auto"
     readings: tuple[Reading, ...] = Field(max_length=20_000)
+
+
+def cost(message: Message) -> float:
+    """Return how many messages a message counts for, where their rate is limited.
+
+    Examples
+    --------
+    >>> cost(Pause(seq=1)), cost(Scan(seq=1, t_s=0.0, planes=()))
+    (1.0, 10.0)
+    """
+    if isinstance(message, Odometry):
+        return max(1.0, len(message.samples) / SAMPLES_IN_ONE)
+    if isinstance(message, Inertial):
+        return max(1.0, len(message.readings) / READINGS_IN_ONE)
+    return SCAN_COST if isinstance(message, Scan) else 1.0
 
 
 class Pause(Message):

@@ -16,6 +16,7 @@ from palms.errors import InputError
 from palms.server import messages
 from palms.server.context import Context, context_of
 from palms.server.limits import Meter
+from palms.server.messages.inputs import cost
 from palms.server.outbox import Slow
 from palms.server.session import Refused, Seat, Session
 
@@ -198,19 +199,25 @@ class _Conversation:
         """Take messages until the client ends the session or goes."""
         while True:
             text = await self._text(self._patience_s(session, seat))
-            wait_s = self._meter.wait_s(time.monotonic())
+            message = self._message(text, seat)
+            wait_s = self._meter.wait_s(time.monotonic(), 1.0 if message is None else cost(message))
             if wait_s > 0:
                 await asyncio.sleep(wait_s)
-            try:
-                message = messages.parse_message(text)
-            except InputError as error:
-                self._sessions.metrics.count("errors_total")
-                seat.say(messages.Error(code="message", text=str(error)[:500]))
+            if message is None:
                 continue
             if session.walker is not seat and not seat.number:
                 return  # replaced; its outbox says so
             if await self._answer(session, seat, message):
                 return
+
+    def _message(self, text: str, seat: Seat) -> messages.ClientMessage | None:
+        """Return a message; None when it is none, which the client is told."""
+        try:
+            return messages.parse_message(text)
+        except InputError as error:
+            self._sessions.metrics.count("errors_total")
+            seat.say(messages.Error(code="message", text=str(error)[:500]))
+            return None
 
     def _patience_s(self, session: Session, seat: Seat) -> float | None:
         paused = session.follower is not None and session.follower.intake.is_paused
