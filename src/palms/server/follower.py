@@ -165,9 +165,7 @@ class Follower:
                 events.append("scanning")
                 return self._observe(message)
             case messages.Hint():
-                self.localizer.hint(
-                    Hint(message.place_m, message.radius_m, message.room, message.probability)  # type: ignore[arg-type]
-                )
+                self.localizer.hint(_hint(message))
             case messages.Inertial():
                 self._reckoner, samples = reckoned(self._reckoner, message)
                 for sample in samples:
@@ -274,3 +272,11 @@ def _spread(drift_rad: Any, weight: Any) -> float:  # noqa: ANN401
     east, north = (weight * np.cos(drift_rad)).sum(), (weight * np.sin(drift_rad)).sum()
     length = math.hypot(float(east), float(north)) / float(weight.sum())
     return min(math.sqrt(max(-2 * math.log(max(length, 1e-12)), 0.0)), math.pi)
+
+
+def _hint(message: messages.Hint) -> Hint:
+    place = message.place_m
+    return Hint(
+        place_m=None if place is None else np.array(place), radius_m=message.radius_m,
+        room=message.room, probability=message.probability,
+    )  # fmt: skip
