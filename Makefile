@@ -4,10 +4,11 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := $(VENV)/ready
 
-.PHONY: help demo test lint bench docs figures sample clean
+.PHONY: help demo serve test lint bench docs figures sample clean
 
 help:
 	@echo "make demo    run the whole method on the sample building"
+	@echo "make serve   follow phones live, in a browser"
 	@echo "make test    run the tests"
 	@echo "make lint    ruff, mypy, import-linter"
 	@echo "make bench   measure speed and memory"
@@ -26,6 +27,9 @@ $(READY): pyproject.toml
 
 demo: $(READY)
 	@$(BIN)/palms demo
+
+serve: $(READY)
+	@$(BIN)/palms serve
 
 test: $(READY)
 	@$(BIN)/python -m pytest --numprocesses auto --dist worksteal

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from palms.cli import bench, demo, formats, locate, plan, scan, simulate, track, walk
+from palms.cli import bench, demo, formats, locate, plan, scan, serve, simulate, track, walk
 from palms.cli._errors import CheckedGroup
 
 __all__ = ["app"]
@@ -52,6 +52,7 @@ for command, name, epilog in (
     (track.track, "track", track.EXAMPLE),
     (simulate.simulate, "simulate", simulate.EXAMPLE),
     (bench.bench, "bench", bench.EXAMPLE),
+    (serve.serve, "serve", serve.EXAMPLE),
 ):
     app.command(name, epilog=epilog)(command)
 for group, name in ((plan.app, "plan"), (scan.app, "scan"), (walk.app, "walk")):

@@ -9,13 +9,14 @@ import numpy as np
 
 from palms.errors import FormatError
 from palms.geometry import FloatArray
+from palms.io.files import read_json
 from palms.io.plane_geometry import read_polygon, read_vector, rectangle, word_of
-from palms.io.plane_json import Plane, has_keys, read_planes
+from palms.io.plane_json import Plane, has_keys, planes_scan
 from palms.io.registry import Format
 from palms.io.values import StrPath
 from palms.scan import Scan
 
-__all__ = ["FORMAT", "read_arkit_planes"]
+__all__ = ["FORMAT", "arkit_scan", "read_arkit_planes"]
 
 _EXPECTED = "ARKit planes: a list of anchors with transform and planeExtent"
 _TRANSFORMS = ("transform", "worldTransform", "anchorTransform")
@@ -50,7 +51,25 @@ def read_arkit_planes(path: StrPath) -> Scan:
     ...     read_arkit_planes(f"{folder}/planes.json").walls_m.round(3).tolist()
     [[[1.0, 3.0], [3.0, 3.0]]]
     """
-    return read_planes(path, _EXPECTED, _may_be_wall, _matrix, _corners)
+    return arkit_scan(read_json(path, _EXPECTED), path)
+
+
+def arkit_scan(content: object, what: StrPath) -> Scan:
+    """Return the scan of planes that were read before.
+
+    Parameters
+    ----------
+    content : object
+        As the file has it.
+    what : path
+        What to call it in messages.
+
+    Raises
+    ------
+    FormatError
+        When it holds no upright plane.
+    """
+    return planes_scan(content, what, _EXPECTED, _may_be_wall, _matrix, _corners)
 
 
 def _may_be_wall(plane: Plane) -> bool:

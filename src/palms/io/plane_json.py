@@ -16,7 +16,7 @@ from palms.io.planes import session_of
 from palms.io.values import StrPath, brief, locating
 from palms.scan import Scan
 
-__all__ = ["Plane", "has_keys", "list_of", "read_planes"]
+__all__ = ["Plane", "has_keys", "list_of", "planes_scan", "read_planes"]
 
 Plane = dict[str, Any]
 _PLACES = ("position", "viewer", "camera", "devicePosition")
@@ -78,7 +78,28 @@ def read_planes(
     InputError
         When it cannot be read or holds no upright plane.
     """
-    content = read_json(path, expected)
+    return planes_scan(read_json(path, expected), path, expected, is_wall, matrix_of, corners_of)
+
+
+def planes_scan(
+    content: object,
+    path: StrPath,
+    expected: str,
+    is_wall: Callable[[Plane], bool],
+    matrix_of: Callable[[Plane, str], object],
+    corners_of: Callable[[Plane, str], FloatArray],
+) -> Scan:
+    """Return the scan that planes make, read before; as `read_planes`.
+
+    Parameters
+    ----------
+    content : object
+        What the file held.
+    path : path
+        What to call it in messages.
+    expected, is_wall, matrix_of, corners_of
+        As for `read_planes`.
+    """
     planes = list_of(content, ("planes", "anchors", "detectedPlanes"), path, expected)
     kept = [(i, plane) for i, plane in enumerate(planes) if is_wall(plane)]
     names = [f"{path} plane {i}" for i, _ in kept]

@@ -6,13 +6,14 @@ from pathlib import Path
 
 from palms.errors import FormatError
 from palms.geometry import FloatArray
+from palms.io.files import read_json
 from palms.io.plane_geometry import read_polygon, word_of
-from palms.io.plane_json import Plane, has_keys, read_planes
+from palms.io.plane_json import Plane, has_keys, planes_scan
 from palms.io.registry import Format
 from palms.io.values import StrPath
 from palms.scan import Scan
 
-__all__ = ["FORMAT", "read_webxr_planes"]
+__all__ = ["FORMAT", "read_webxr_planes", "webxr_scan"]
 
 _EXPECTED = "WebXR planes: an object with planes, each with pose and polygon"
 _WALLS = ("", "wall", "door", "window", "other", "unknown", "none")
@@ -47,7 +48,25 @@ def read_webxr_planes(path: StrPath) -> Scan:
     ...     read_webxr_planes(f"{folder}/planes.json").walls_m.round(3).tolist()
     [[[1.0, 3.0], [3.0, 3.0]]]
     """
-    return read_planes(path, _EXPECTED, _may_be_wall, _matrix, _corners)
+    return webxr_scan(read_json(path, _EXPECTED), path)
+
+
+def webxr_scan(content: object, what: StrPath) -> Scan:
+    """Return the scan of planes that were read before.
+
+    Parameters
+    ----------
+    content : object
+        As the file has it.
+    what : path
+        What to call it in messages.
+
+    Raises
+    ------
+    FormatError
+        When it holds no upright plane.
+    """
+    return planes_scan(content, what, _EXPECTED, _may_be_wall, _matrix, _corners)
 
 
 def _may_be_wall(plane: Plane) -> bool:

@@ -1,0 +1,1 @@
+"""The load test: many phones at once, over real sockets."""

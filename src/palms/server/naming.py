@@ -1,0 +1,41 @@
+"""Namer: rooms by point, quickly: a live session asks several times a step."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from palms.floorplan import FloorPlan
+
+__all__ = ["Namer"]
+
+
+class Namer:
+    """Names the rooms of a plan, as `FloorPlan.room_at` does.
+
+    Parameters
+    ----------
+    plan : FloorPlan
+
+    Examples
+    --------
+    >>> from palms.floorplan import Room
+    >>> hall = Room("Hall", [[0, 0], [4, 0], [4, 4], [0, 4]])
+    >>> name = Namer(FloorPlan([[[0, 0], [4, 0]]], rooms=(hall,)))
+    >>> name(1.0, 1.0), name(9.0, 9.0)
+    ('Hall', None)
+    """
+
+    def __init__(self, plan: FloorPlan) -> None:
+        import shapely
+
+        polygons = [shapely.make_valid(shapely.Polygon(room.polygon_m)) for room in plan.rooms]
+        self._names = [room.name for room in plan.rooms]
+        self._areas = [float(polygon.area) for polygon in polygons]
+        shapely.prepare(polygons)
+        self._tree: Any = shapely.STRtree(polygons)
+        self._point = shapely.Point
+
+    def __call__(self, x_m: float, y_m: float) -> str | None:
+        """Return the name of the room at a point, the smallest where several hold it."""
+        holding = self._tree.query(self._point(x_m, y_m), predicate="intersects")
+        return min(((self._areas[i], self._names[i]) for i in holding), default=(0.0, None))[1]

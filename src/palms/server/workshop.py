@@ -1,0 +1,232 @@
+"""Workshop: files of others are read in a process of its own, with limits on time and memory.
+
+A reader that hangs, eats memory or crashes takes nothing with it but that process.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import multiprocessing
+import os
+import signal
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from palms.errors import InputError, PalmsError
+from palms.server.limits import Limits
+
+__all__ = ["Upload", "Workshop", "read_plan_text", "run_track"]
+
+LONGEST_NAME = 100
+_FILE_BYTES = 200_000_000  # what a reader may write
+
+
+class Upload(NamedTuple):
+    """A file of somebody's: its name serves for messages and its ending alone.
+
+    Attributes
+    ----------
+    name : str
+    content : bytes
+    format : str or None
+    options : tuple of str
+        As ``name=value``.
+    """
+
+    name: str
+    content: bytes
+    format: str | None = None
+    options: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Workshop:
+    """Where files are read.
+
+    Parameters
+    ----------
+    limits : Limits
+    inline : bool
+        Read in this process instead, without limits: for tests of everything else.
+    """
+
+    limits: Limits
+    inline: bool = False
+
+    async def do(self, work: Callable[..., Any], *arguments: object) -> Any:  # noqa: ANN401
+        """Run a function, importable by name, in a process of its own.
+
+        Raises
+        ------
+        InputError
+            What it raised; or when it took too long, too much memory, or crashed.
+        """
+        if self.inline:
+            return await asyncio.to_thread(work, *arguments)
+        async with _turn(self.limits.uploads):
+            return await asyncio.to_thread(self._in_process, work, arguments)
+
+    def _in_process(self, work: Callable[..., Any], arguments: Sequence[object]) -> Any:  # noqa: ANN401
+        """Do the work elsewhere; whatever becomes of it, no file of it stays."""
+        with tempfile.TemporaryDirectory(prefix="palms-") as folder:
+            return self._in_folder(folder, work, arguments)
+
+    def _in_folder(self, folder: str, work: Callable[..., Any], arguments: Sequence[object]) -> Any:  # noqa: ANN401
+        context = multiprocessing.get_context("spawn")
+        here, there = context.Pipe(duplex=False)
+        process = context.Process(
+            target=_work, args=(there, folder, self.limits, work, tuple(arguments)), daemon=True
+        )
+        process.start()
+        there.close()
+        try:
+            if not here.poll(self.limits.upload_s):
+                raise InputError(
+                    "file", expected=f"one that is read within {self.limits.upload_s:g} s",
+                    got="one that takes longer", fix="make it smaller",
+                )  # fmt: skip
+            found, error = here.recv()
+        except (EOFError, OSError):
+            raise InputError(
+                "file", expected=f"one that needs at most {self.limits.upload_memory_bytes:.2g} "
+                "bytes of memory", got="one that ended its reader", fix="make it smaller",
+            ) from None  # fmt: skip
+        finally:
+            process.kill()
+            process.join()
+            here.close()
+        if error is not None:
+            raise InputError(error)
+        return found
+
+
+_turns: dict[asyncio.AbstractEventLoop, asyncio.Semaphore] = {}
+
+
+def _turn(most: int) -> asyncio.Semaphore:
+    loop = asyncio.get_running_loop()
+    for other in [other for other in _turns if other.is_closed()]:
+        del _turns[other]
+    return _turns.setdefault(loop, asyncio.Semaphore(most))
+
+
+def _work(
+    there: Connection,
+    folder: str,
+    limits: Limits,
+    work: Callable[..., Any],
+    arguments: tuple[Any, ...],
+) -> None:
+    """Do the work in a process of its own; errors go back as one line."""
+    with contextlib.suppress(ValueError, OSError):
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    tempfile.tempdir = folder
+    _restrict(limits)
+    with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                there.send((work(*arguments), None))
+        except PalmsError as error:
+            there.send((None, str(error)))
+        except MemoryError:
+            there.send((None, "file: it takes more memory than this server gives"))
+        except Exception as error:
+            there.send((None, f"file: it cannot be read ({type(error).__name__})"))
+
+
+def _restrict(limits: Limits) -> None:
+    if sys.platform == "win32":  # there the time limit alone holds
+        return
+    import resource
+
+    seconds = int(limits.upload_s) + 1
+    for kind, most in (
+        (resource.RLIMIT_AS, limits.upload_memory_bytes),
+        (resource.RLIMIT_CPU, 2 * seconds),
+        (resource.RLIMIT_FSIZE, _FILE_BYTES),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        with contextlib.suppress(ValueError, OSError):
+            resource.setrlimit(kind, (most, most))
+
+
+def _put(upload: Upload, folder: str, stem: str) -> Path:
+    """Write a file under a name of our own; only its ending is kept, and that only if plain."""
+    given = upload.name.replace("\\", "/").rsplit("/", 1)[-1]
+    endings = [part for part in given.split(".")[1:] if part.isascii() and part.isalnum()]
+    ending = "".join(f".{part[:12].lower()}" for part in endings[-2:])
+    path = Path(folder) / f"{stem}{ending}"
+    path.write_bytes(upload.content)
+    return path
+
+
+def read_plan_text(upload: Upload, name: str) -> tuple[str, str]:
+    r"""Return the plan of a file as ``palms-plan/1``, and the level that it names.
+
+    Examples
+    --------
+    >>> text, level = read_plan_text(Upload("../hall.csv", b"0,0,8,0\n8,0,8,5\n"), "Hall")
+    >>> level, text[:38]
+    ('', '{"schema":"palms-plan/1","name":"Hall"')
+    """
+    from dataclasses import replace
+
+    from palms.io import FLOORPLANS
+    from palms.server.plans import plan_text
+
+    with tempfile.TemporaryDirectory(prefix="palms-") as folder:
+        plan = _read(FLOORPLANS, upload, folder, "plan")
+    return plan_text(replace(plan, name=name)), plan.level or ""
+
+
+def _read(group: str, upload: Upload, folder: str, stem: str) -> Any:  # noqa: ANN401
+    from palms.io import read_any
+
+    path = _put(upload, folder, stem)
+    try:
+        return read_any(group, path, upload.format, upload.options)
+    except PalmsError as error:
+        raise InputError(str(error).replace(f"{folder}{os.sep}", "")) from None
+
+
+def run_track(
+    plan: str, scan: Upload, walk: Upload, method: str, source: str, seed: int
+) -> dict[str, Any]:
+    """Return the track of a recorded walk as ``palms-track/1``.
+
+    Parameters
+    ----------
+    plan : str
+        As ``palms-plan/1``.
+    scan, walk : Upload
+    method, source : str
+    seed : int
+
+    Raises
+    ------
+    InputError
+        When one of them is at fault.
+    """
+    from palms.io import ODOMETRY, SCANS
+    from palms.io.track_json import track_document
+    from palms.localizer import track
+    from palms.server.plans import plan_of
+    from palms.settings import Settings
+
+    with tempfile.TemporaryDirectory(prefix="palms-") as folder:
+        seen = _read(SCANS, scan, folder, "scan")
+        recorded = _read(ODOMETRY, walk, folder, "walk")
+    kind: Any = source
+    odometry = recorded.odometry(kind)
+    floor, settings = plan_of(plan), Settings.for_method(method)
+    found = track(floor, seen, odometry, settings, seed)
+    return track_document([found], floor, settings, scan="scan", walk="walk", walk_source=source)
