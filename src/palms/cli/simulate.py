@@ -218,9 +218,9 @@ def _all_written(out: Path, task: _Task) -> list[dict[str, Any]]:
 
 def _written(out: Path, task: _Task) -> Iterator[dict[str, Any]]:
     """Build one building, write its cases, and yield what there is to say of each."""
+    from palms.building import Building
     from palms.cli._inputs import Input, read_plan
     from palms.evaluation.simulation import (
-        Building,
         Count,
         NuisanceRanges,
         generate_levels,
