@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from palms.errors import FormatError, InputError, PalmsWarning
 from palms.floorplan import FloorPlan
+from palms.io.plan_csv import plan_name
+from palms.io.values import StrPath
 
 if TYPE_CHECKING:
     from palms.building import Building, Stairs
 
-__all__ = ["LevelPlan", "building_of", "gather_levels", "is_stairs_word"]
+__all__ = ["LevelPlan", "building_of", "gather_levels", "is_stairs_word", "with_level_name"]
 
 _STAIRS = ("stairs", "staircase", "stairwell", "elevator", "lift", "escalator")
 
@@ -48,6 +50,20 @@ class LevelPlan(NamedTuple):
     ordinal: float
     plan: FloorPlan
     stairs: tuple[Stairs, ...] = ()
+
+
+def with_level_name(plan: FloorPlan, path: StrPath) -> FloorPlan:
+    """Return a plan whose level has a name: its own, else its file's after ``-level-``.
+
+    Examples
+    --------
+    >>> with_level_name(FloorPlan([[[0, 0], [8, 0]]]), "maps/E2-level-3.csv").level
+    '3'
+    """
+    if plan.level:
+        return plan
+    name = plan_name(path)
+    return replace(plan, level=name.rpartition("-level-")[2])
 
 
 def gather_levels(
