@@ -21,7 +21,7 @@ from palms.geometry import FloatArray, check_points
 from palms.raster import PlanRaster, rasterize
 from palms.settings import RasterSettings
 
-__all__ = ["Atlas", "Building", "Stairs", "joined_stairs", "named_stairs"]
+__all__ = ["Atlas", "Building", "Sheets", "Stairs", "joined_stairs", "named_stairs"]
 
 GAP_M = 25.0  # ours: between sheets; no scan sees so far
 _STAIRS = re.compile(r"stair|lift|elevator|escalator|treppe|aufzug|rolltreppe|escalier|ascenseur",
@@ -170,6 +170,19 @@ def joined_stairs(found: Sequence[Sequence[Stairs]]) -> tuple[Stairs, ...]:
     return tuple(joined)
 
 
+@dataclass(frozen=True)
+class Sheets(FloorPlan):
+    """The plan of an atlas: levels side by side.
+
+    Parameters
+    ----------
+    corners_m : tuple
+        Name of each level, and the upper left corner (x, y) of its sheet.
+    """
+
+    corners_m: tuple[tuple[str, tuple[float, float]], ...] = ()
+
+
 class Atlas:
     """The levels of a building side by side, as sheets: one plan.
 
@@ -219,9 +232,13 @@ class Atlas:
             for room in plan.rooms
         )
         segments = [plan.segments_m + shift for plan, shift in zip(levels, shifts, strict=True)]
-        return FloorPlan(
+        low_high = [(plan.bounds_m, shift) for plan, shift in zip(levels, shifts, strict=True)]
+        corners = [
+            (float(low[0] + shift[0]), float(high[1] + shift[1])) for (low, high), shift in low_high
+        ]
+        return Sheets(
             np.concatenate(segments), np.concatenate([plan.classes for plan in levels]), rooms,
-            name=levels[0].name, origin=levels[0].origin,
+            name=levels[0].name, corners_m=tuple(zip(self.names, corners, strict=True)),
         )  # fmt: skip
 
     def level_of(self, position_m: FloatArray) -> npt.NDArray[np.int64]:

@@ -20,6 +20,7 @@ from palms.geometry import FloatArray
 from palms.io import Case
 from palms.localizer import Track
 from palms.plot.plans import draw_plan, figure_size
+from palms.plot.story import broken
 from palms.plot.style import (
     ANSWER,
     INK,
@@ -116,7 +117,7 @@ def case_figure(plan: FloorPlan, track: Track, truth_m: FloatArray) -> Figure:
     axes = figure.add_subplot()
     frame_map(axes, *plan.bounds_m)
     draw_plan(axes, plan, 0.5, colour="#9a9a9a")
-    axes.plot(truth_m[:, 0], truth_m[:, 1], color=TRUTH, linewidth=3.6, alpha=0.75, zorder=3)
+    axes.plot(*broken(truth_m).T, color=TRUTH, linewidth=3.6, alpha=0.75, zorder=3)
     entries = [legend_line(TRUTH, 3.6, "true path")]
     stages = _draw_answers(axes, track)
     entries += [legend_line(ANSWER, _WIDTHS[s], f"answer, {s}", STAGE_LINES[s]) for s in stages]
