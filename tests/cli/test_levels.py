@@ -128,7 +128,6 @@ def test_a_hint_raises_the_places_that_it_names(palms, house):
     wrong = "--level", 0, "--hint-probability", 0.8
     assert share("0", *wrong) > share("0")
     assert share("1", *wrong) > 0.5  # soft: a scan that fits outweighs it
-    assert share("0", "--room", "Hall") > share("0")
 
 
 def test_a_track_with_a_hint_is_surer_at_once(palms, house):

@@ -21,7 +21,7 @@ from palms.evaluation.metrics import sample_step, trial_metrics
 from palms.evaluation.oracle import ORACLE, ORACLE_PARTICLES, oracle_settings, shared_settings
 from palms.evaluation.provenance import machine, versions
 from palms.evaluation.simulation.output import NUISANCES_FILE
-from palms.evaluation.simulation.settings import VioNoise
+from palms.evaluation.simulation.settings import InertialNoise, VioNoise
 from palms.evaluation.subject import Subject, noise_of, reference_of
 from palms.io import Case, open_dataset
 from palms.io.plan_csv import rooms_path
@@ -85,7 +85,7 @@ class Experiment:
     Raises
     ------
     InputError
-        When there is no method, or the oracle is to read another odometry than ``arkit``.
+        When there is no method.
     SettingsError
         When a method is unknown.
 
@@ -109,18 +109,13 @@ class Experiment:
             raise InputError("methods", expected="at least one", got="none", fix="such as: paper")
         for name in self.methods:
             self.settings_json(name)  # an unknown method is said before the work
-        if self.has_oracle and self.walk_source != "arkit":
-            raise InputError(
-                f"method {ORACLE}", expected="walk source arkit", got=self.walk_source,
-                fix="it knows visual-inertial noise alone; leave it out",
-            )  # fmt: skip
 
     @property
     def has_oracle(self) -> bool:
         """Whether the oracle takes part, which needs each walk's noise."""
         return ORACLE in self.methods
 
-    def settings(self, method: str, noise: VioNoise | None = None) -> Settings:
+    def settings(self, method: str, noise: VioNoise | InertialNoise | None = None) -> Settings:
         """Return the settings of a method on a walk; only the oracle's depend on its noise."""
         if method == ORACLE:
             if noise is None:
@@ -136,7 +131,7 @@ class Experiment:
     def settings_json(self, method: str) -> dict[str, Any]:
         """Return what results say of a method's settings; what a case decides is named so."""
         if method == ORACLE:
-            found = shared_settings(self.particles or ORACLE_PARTICLES)
+            found = shared_settings(self.particles or ORACLE_PARTICLES, self.walk_source)
         else:
             found = asdict(self.settings(method))
         said: dict[str, Any] = finite(found)
@@ -169,7 +164,7 @@ class Experiment:
             if not case.scan_paths:
                 case.scan()  # says what is missing
             if self.has_oracle:
-                self.settings(ORACLE, noise_of(case))
+                self.settings(ORACLE, noise_of(case, self.walk_source))
         return cases
 
     def _takes(self, case: Case) -> bool:

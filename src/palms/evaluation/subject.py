@@ -13,7 +13,7 @@ from palms.errors import FormatError, InputError
 from palms.evaluation.metrics import Answers
 from palms.evaluation.oracle import ORACLE
 from palms.evaluation.simulation.output import NUISANCES_FILE, read_nuisances
-from palms.evaluation.simulation.settings import VioNoise
+from palms.evaluation.simulation.settings import InertialNoise, VioNoise
 from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
 from palms.io import Case, RecordedWalk
@@ -42,7 +42,7 @@ class Subject:
     reference_m : (T, 2)
         Where the phone was; NaN where nobody knows. In a building of several levels on its
         atlas.
-    noise : VioNoise, optional
+    noise : VioNoise or InertialNoise, optional
         What the odometry's errors were drawn with, where somebody knows: for the oracle alone.
     building : Building, optional
         Where there are several levels.
@@ -59,7 +59,7 @@ class Subject:
     scan: Scan
     odometry: Odometry
     reference_m: FloatArray
-    noise: VioNoise | None = None
+    noise: VioNoise | InertialNoise | None = None
     building: Building | None = None
     told: tuple[Happening, ...] = ()
     reference_level: tuple[str, ...] | None = None
@@ -77,7 +77,7 @@ class Subject:
         walk = case.walk()
         reference = reference_of(case, walk)
         odometry = walk.odometry("ronin" if source == "ronin" else "arkit")
-        noise = noise_of(case) if with_noise else None
+        noise = noise_of(case, source) if with_noise else None
         building = _shared(_Levels(case.building()))
         told = case.happenings(odometry, building)
         subject = cls(
@@ -166,8 +166,8 @@ def reference_of(case: Case, walk: RecordedWalk) -> FloatArray:
     return walk.reference_m
 
 
-def noise_of(case: Case) -> VioNoise:
-    """Return what the odometry's errors of a case were drawn with.
+def noise_of(case: Case, source: str = "arkit") -> VioNoise | InertialNoise:
+    """Return what the errors of an odometry of a case were drawn with.
 
     Raises
     ------
@@ -175,7 +175,7 @@ def noise_of(case: Case) -> VioNoise:
         When nobody knows.
     """
     try:
-        return read_nuisances(case.folder).vio
+        found = read_nuisances(case.folder)
     except FormatError:
         raise
     except InputError:
@@ -183,6 +183,7 @@ def noise_of(case: Case) -> VioNoise:
             f"method {ORACLE} on {case.title}", expected=f"its noise in {NUISANCES_FILE}",
             got="none", fix=f"leave {ORACLE} out, or make the data with: palms simulate",
         ) from None  # fmt: skip
+    return found.inertial if source == "ronin" else found.vio
 
 
 class _Levels:
