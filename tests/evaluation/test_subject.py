@@ -173,6 +173,8 @@ def test_a_truth_of_unknown_levels_is_refused(tower, tmp_path):
     truth.write_text(truth.read_text().replace(",2\n", ",7\n"))
     with pytest.raises(InputError, match="expected some of 1, 2, got '7'"):
         Subject.of(case)
+    with pytest.raises(InputError, match="expected some of 1, 2"):  # before the work
+        Experiment(tmp_path / "d", ("paper",)).cases()
     truth.unlink()
     with pytest.raises(InputError, match=r"truth\.csv with the level"):
         Subject.of(case)

@@ -163,6 +163,8 @@ class Experiment:
             walk.odometry("ronin" if self.walk_source == "ronin" else "arkit")
             if not case.scan_paths:
                 case.scan()  # says what is missing
+            if case.above_paths or case.events_path.is_file():
+                Subject.of(case, self.walk_source)  # says what is wrong with them
             if self.has_oracle:
                 self.settings(ORACLE, noise_of(case, self.walk_source))
         return cases
