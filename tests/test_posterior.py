@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from palms.geometry import wrap_angle
+from palms.hints import Hint
 from palms.observation import log_likelihood
 from palms.places import find_places
-from palms.posterior import judged, posterior
+from palms.posterior import hinted, judged, posterior
 from palms.raster import rasterize
 from palms.settings import ObservationSettings
 from tests.worlds import seen_from, two_rooms
@@ -67,3 +68,21 @@ def test_how_poses_are_proposed_does_not_matter():
         near = np.linalg.norm(found.position_m - POINT, axis=1) < 0.5
         assert np.exp(found.log_weight)[near].sum() > 0.6
     assert one.log_mean == pytest.approx(two.log_mean, abs=0.3)
+
+
+@pytest.mark.parametrize("at", [POINT, POINT + 6.0], ids=["right", "wrong"])
+def test_a_hint_weighs_places_and_what_lies_elsewhere(at):
+    found = posterior(seen_from(POINT, NEAR, 0.35), RASTER)
+    hint = Hint(at, 3.0, probability=0.8)
+    ratio = hint.ratio(found.position_m, RASTER)
+    there = np.linalg.norm(found.position_m - at, axis=1) <= 3.0
+    assert (ratio[there] > 1).all()
+    assert (ratio[~there] < 1).all()
+    after = hinted(found, hint, RASTER)
+    before, weight = np.exp(found.log_weight), np.exp(after.log_weight)
+    assert weight.sum() == pytest.approx(1)
+    np.testing.assert_allclose(weight / weight[0], before * ratio / (before[0] * ratio[0]))
+    kept = found.mass * float(before @ ratio)  # what is anywhere has a ratio of 1 in the mean
+    assert after.mass == pytest.approx(kept / (kept + 1 - found.mass))
+    assert (after.mass > found.mass) == (float(before @ ratio) > 1)
+    np.testing.assert_array_equal(after.position_m, found.position_m)

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.page import around, put
-from benchmarks.simulated import nuisances
+from benchmarks.simulated import events, nuisances
 from benchmarks.simulated.steps import bench, bench_only, read
-from benchmarks.simulated.studies import DOUBLING, MANY, PAPER, Nuisances
+from benchmarks.simulated.studies import DOUBLING, MANY, PAPER, Happenings, Nuisances
 from benchmarks.simulated.tables import buildings_table, doubling_table, paper_table
 from palms.errors import PalmsError
 from palms.io.files import make_folder
@@ -19,6 +19,7 @@ EPILOG = """studies:
   paper      three floors, seven starts, two walks each, 100 trials; the oracle 10
   buildings  400 buildings, one walk and one trial each; and those without right angles alone
   oracle     whether twice the particles change the oracle's `useful`, on the three floors
+  events     400 buildings: a second scan, a jump, hints, three levels, inertial odometry
   nuisances  30 development buildings as they are, and with each nuisance twice as strong
 
 example:
@@ -33,10 +34,12 @@ def _parser() -> argparse.ArgumentParser:
         epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter,
     )  # fmt: skip
     add = parser.add_argument
-    add("study", choices=("paper", "buildings", "oracle", "nuisances"))
+    add("study", choices=("paper", "buildings", "oracle", "nuisances", "events"))
     add("--work", type=Path, metavar="DIR", required=True, help="for data sets and results")
     add("--results", type=Path, metavar="PAGE", help="put the tables into this page")
     add("--jobs", type=int, default=1, help="processes; the results do not depend on it")
+    add("--buildings", type=int, metavar="N", default=400, help="events: fewer for trying")
+    add("--particles", type=int, metavar="N", help="events: the methods' own when left out")
     return parser
 
 
@@ -46,7 +49,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.results:
             around(options.study, options.results)
         make_folder(options.work)
-        text = table(options.study, options.work, options.jobs, options.results)
+        if options.study == "events":
+            plan = Happenings(options.buildings, particles=options.particles)
+            text = _events(plan, options.work, options.jobs)
+        else:
+            text = table(options.study, options.work, options.jobs, options.results)
     except PalmsError as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
@@ -57,6 +64,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         put(options.study, text, options.results)
     print(text)
     return 0
+
+
+def _events(plan: Happenings, work: Path, jobs: int) -> str:
+    for k, name in enumerate(events.run(plan, work, jobs), start=1):
+        print(f"{k} of {len(plan.names)}: {name}", file=sys.stderr, flush=True)
+    return events.table(plan, work)
 
 
 def table(study: str, work: Path, jobs: int, page: Path | None = None) -> str:

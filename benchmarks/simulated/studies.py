@@ -18,9 +18,13 @@ class Run:
     methods: tuple[str, ...]
     trials: int
     particles: int | None = None
+    walk_source: str = "arkit"
 
     def experiment(self, dataset: Path) -> Experiment:
-        return Experiment(dataset, self.methods, self.trials, particles=self.particles)
+        return Experiment(
+            dataset, self.methods, self.trials, particles=self.particles,
+            walk_source=self.walk_source,
+        )  # fmt: skip
 
     def words(self, dataset: str) -> list[str]:
         """Return the command line, without the number of processes."""
@@ -28,6 +32,8 @@ class Run:
         words += ["--trials", str(self.trials)]
         if self.particles is not None:
             words += ["--particles", str(self.particles)]
+        if self.walk_source != "arkit":
+            words += ["--walk-source", self.walk_source]
         return [*words, "--out", self.out]
 
 
@@ -99,3 +105,41 @@ class Nuisances:
         options = f"{self.options} --double {name}" if name else self.options
         dataset = Dataset(f"buildings-{word}", options)
         return Study(dataset, (Run(f"results-{word}", self.methods, self.trials),))
+
+
+HAPPENINGS = {
+    "plain": "",
+    "second-scan": "--second-scan 20",
+    "jump": "--jump 60 --jump-by 20",
+    "jump-and-scan": "--jump 60 --jump-by 20 --second-scan 65",
+    "right-room": "--hint room --hint-after 0",
+    "right-place": "--hint place --hint-after 0",
+    "wrong-room": "--hint room --hint-after 0 --wrong-hint",
+    "wrong-place": "--hint place --hint-after 0 --wrong-hint",
+    "levels": "--levels 3",
+}
+INERTIAL = "inertial"
+
+
+@dataclass(frozen=True)
+class Happenings:
+    """The same buildings and walks, each time with something else that happens on the way."""
+
+    buildings: int = 400
+    seed: int = 1000
+    methods: tuple[str, ...] = ("palms", ORACLE)
+    particles: int | None = None
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """What happens: walks as they are, those of `HAPPENINGS`, and inertial odometry."""
+        return (*HAPPENINGS, INERTIAL)
+
+    def study(self, name: str) -> Study:
+        """Return the study of one of them; inertial odometry is that of the walks as they are."""
+        n, happens = self.buildings, "plain" if name == INERTIAL else name
+        options = f"--building office --buildings {n} --starts {n} --walks 1 --seed {self.seed}"
+        dataset = Dataset(f"events-{n}-{happens}", f"{options} {HAPPENINGS[happens]} --no-pictures")
+        source = "ronin" if name == INERTIAL else "arkit"
+        run = Run(f"results-events-{n}-{name}", self.methods, 1, self.particles, source)
+        return Study(dataset, (run,))

@@ -28,14 +28,14 @@ Results = dict[str, Any]
 def paper_table(study: Study, results: Results) -> str:
     """Return the paper's experiment: methods by figures."""
     trials = results["trials"]
-    return _joined(_commands(study), _made(results), *_pair(trials))
+    return _joined(_commands(study), made_on(results), *_pair(trials))
 
 
 def buildings_table(study: Study, results: Results) -> str:
     """Return all buildings, then the third with wings at other than right angles."""
     trials = results["trials"]
     angled = [t for t in trials if is_angled(int(t["scene"].rpartition("-")[2]))]
-    parts = [_commands(study), _made(results), "### All generated buildings", *_pair(trials)]
+    parts = [_commands(study), made_on(results), "### All generated buildings", *_pair(trials)]
     if angled:
         few = f"{len({t['scene'] for t in angled})} of {len({t['scene'] for t in trials})}"
         parts += [f"### Those without right angles alone: {few}", *_pair(angled)]
@@ -52,7 +52,7 @@ def doubling_table(study: Study, results: Results) -> str:
         change = "" if k == 0 else signed(doubled_by(runs[k - 1], trials), 4)
         rows.append([f"{run.particles:,}", f"{value:.4f}", change])
     return _joined(
-        _commands(study), _made({**results, "trials": runs[0]}, "walks"), markdown_table(rows)
+        _commands(study), made_on({**results, "trials": runs[0]}, "walks"), markdown_table(rows)
     )
 
 
@@ -78,7 +78,7 @@ def nuisances_table(results: Results, effects: Sequence[Effect], picture: str) -
         changes = (found[name, *column].change for column in columns)
         rows.append([f"`{name}`", *(signed(change, 2) for change in changes)])
     words = "The first row has the figures as they are, the others by how much they change:"
-    return _joined(_made(results), picture, words, markdown_table(rows))
+    return _joined(made_on(results), picture, words, markdown_table(rows))
 
 
 def by_size(effects: Sequence[Effect]) -> list[Effect]:
@@ -106,7 +106,7 @@ def _commands(study: Study) -> str:
     return "\n".join(["```sh", *map(shlex.join, study.commands()), "```"])
 
 
-def _made(results: Results, units: str | None = None) -> str:
+def made_on(results: Results, units: str | None = None) -> str:
     trials = results["trials"]
     over = units or ("buildings" if len(units_of(trials)[0]) == 1 else "walks")
     each = {m: len(chosen) // len(set(walks_of(chosen))) for m, chosen in by_method(trials).items()}

@@ -8,7 +8,7 @@ levels, but that stairs lead from sheet to sheet.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -21,7 +21,7 @@ from palms.geometry import FloatArray, check_points
 from palms.raster import PlanRaster, rasterize
 from palms.settings import RasterSettings
 
-__all__ = ["Atlas", "Building", "Stairs"]
+__all__ = ["Atlas", "Building", "Sheets", "Stairs", "joined_stairs", "named_stairs"]
 
 GAP_M = 25.0  # ours: between sheets; no scan sees so far
 _STAIRS = re.compile(r"stair|lift|elevator|escalator|treppe|aufzug|rolltreppe|escalier|ascenseur",
@@ -76,6 +76,7 @@ class Building:
 
     Examples
     --------
+    >>> from dataclasses import replace
     >>> room = Room("Stairs", [[0, 0], [2, 0], [2, 2], [0, 2]])
     >>> hall = FloorPlan([[[0, 0], [8, 0]], [[8, 0], [8, 5]]], rooms=(room,), level="1")
     >>> building = Building((hall, replace(hall, level="2")))
@@ -96,8 +97,10 @@ class Building:
                 "building", expected="levels with names of their own",
                 got=", ".join(str(name) for name in names), fix="name each level",
             )  # fmt: skip
-        found = tuple(_stairs_of(self.levels)) if self.stairs is None else tuple(self.stairs)
-        object.__setattr__(self, "stairs", found)
+        found = self.stairs
+        if found is None:
+            found = joined_stairs([named_stairs(plan) for plan in self.levels])
+        object.__setattr__(self, "stairs", tuple(found))
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -128,23 +131,56 @@ class Building:
         return Atlas(self)
 
 
-def _stairs_of(levels: Sequence[FloorPlan]) -> Iterator[Stairs]:
-    """Rooms with stairs of which another level has one at the same place."""
+def named_stairs(plan: FloorPlan) -> tuple[Stairs, ...]:
+    """Return the rooms of a plan that are called stairs, lift, elevator or escalator.
+
+    Examples
+    --------
+    >>> rooms = [Room(name, [[0, 0], [2, 0], [2, 2]]) for name in ("Hall", "Treppe 3")]
+    >>> [each.name for each in named_stairs(FloorPlan([[[0, 0], [8, 0]]], rooms=rooms))]
+    ['Treppe 3']
+    """
+    rooms = (room for room in plan.rooms if _STAIRS.search(room.name))
+    return tuple(Stairs(room.name, room.polygon_m) for room in rooms)
+
+
+def joined_stairs(found: Sequence[Sequence[Stairs]]) -> tuple[Stairs, ...]:
+    """Return the stairs that lead somewhere: those that another level has at the same place.
+
+    Parameters
+    ----------
+    found : sequence of sequence of Stairs
+        Those of each level; stairs at one place are returned once, as the first level has them.
+    """
     import shapely
 
-    rooms = [
-        (k, room, shapely.make_valid(shapely.Polygon(room.polygon_m)))
-        for k, plan in enumerate(levels)
-        for room in plan.rooms
-        if _STAIRS.search(room.name)
+    areas = [
+        (k, each, shapely.make_valid(shapely.Polygon(each.polygon_m)))
+        for k, stairs in enumerate(found)
+        for each in stairs
     ]
     known: list[shapely.Geometry] = []
-    for k, room, area in rooms:
-        again = any(each.intersects(area) for each in known)
-        above = any(j != k and other.intersects(area) for j, _, other in rooms)
+    joined: list[Stairs] = []
+    for k, each, area in areas:
+        again = any(other.intersects(area) for other in known)
+        above = any(j != k and other.intersects(area) for j, _, other in areas)
         if above and not again:
             known.append(area)
-            yield Stairs(room.name, room.polygon_m)
+            joined.append(each)
+    return tuple(joined)
+
+
+@dataclass(frozen=True)
+class Sheets(FloorPlan):
+    """The plan of an atlas: levels side by side.
+
+    Parameters
+    ----------
+    corners_m : tuple
+        Name of each level, and the upper left corner (x, y) of its sheet.
+    """
+
+    corners_m: tuple[tuple[str, tuple[float, float]], ...] = ()
 
 
 class Atlas:
@@ -165,6 +201,7 @@ class Atlas:
 
     Examples
     --------
+    >>> from dataclasses import replace
     >>> hall = FloorPlan([[[0, 0], [8, 0]], [[8, 0], [8, 5]]], level="1")
     >>> atlas = Building((hall, replace(hall, level="2"))).atlas
     >>> there = atlas.shift_m[1] + (3.0, 2.0)
@@ -195,9 +232,13 @@ class Atlas:
             for room in plan.rooms
         )
         segments = [plan.segments_m + shift for plan, shift in zip(levels, shifts, strict=True)]
-        return FloorPlan(
+        low_high = [(plan.bounds_m, shift) for plan, shift in zip(levels, shifts, strict=True)]
+        corners = [
+            (float(low[0] + shift[0]), float(high[1] + shift[1])) for (low, high), shift in low_high
+        ]
+        return Sheets(
             np.concatenate(segments), np.concatenate([plan.classes for plan in levels]), rooms,
-            name=levels[0].name, origin=levels[0].origin,
+            name=levels[0].name, corners_m=tuple(zip(self.names, corners, strict=True)),
         )  # fmt: skip
 
     def level_of(self, position_m: FloatArray) -> npt.NDArray[np.int64]:

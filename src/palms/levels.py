@@ -14,7 +14,7 @@ from palms.particles import Particles
 from palms.randomness import RandomKey
 from palms.settings import LevelSettings
 
-__all__ = ["climbed", "level_shares", "on_levels"]
+__all__ = ["climbed", "level_shares", "on_atlas", "on_levels"]
 
 
 def climbed(
@@ -87,3 +87,28 @@ def on_levels(estimate: Estimate, belief: Belief, atlas: Atlas) -> Estimate:
         estimate, position_m=atlas.folded(here)[0], level=atlas.names[level],
         p_level=min(share, 1.0), hypotheses=hypotheses,
     )  # fmt: skip
+
+
+def on_atlas(estimate: Estimate, atlas: Atlas) -> Estimate:
+    """Return an answer given in the map as one on an atlas: the other way than `on_levels`.
+
+    An answer that names no level is on the lowest.
+
+    Parameters
+    ----------
+    estimate : Estimate
+    atlas : Atlas
+    """
+    if estimate.position_m is None:
+        return estimate
+
+    def shift_m(level: str | None) -> FloatArray:
+        shift: FloatArray = atlas.shift_m[0 if level is None else atlas.names.index(level)]
+        return shift
+
+    hypotheses = []
+    for each in estimate.hypotheses:
+        x, y = shift_m(each.level) + (each.x_m, each.y_m)
+        hypotheses.append(each._replace(x_m=float(x), y_m=float(y)))
+    place = estimate.position_m + shift_m(estimate.level)
+    return replace(estimate, position_m=place, hypotheses=tuple(hypotheses))

@@ -7,11 +7,12 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from palms.building import Atlas
 from palms.geometry import FloatArray, wrap_angle
 from palms.heatmap import Candidates
 from palms.posterior import Posterior
 
-__all__ = ["Place", "find_places"]
+__all__ = ["Place", "find_places", "place_on_level"]
 
 SEPARATION_M = 1.0  # ours: as p_within_1m, one place
 SEPARATION_RAD = 0.35  # ours: 20 degrees
@@ -31,6 +32,8 @@ class Place(NamedTuple):
         Probability that the cells around it stand for.
     score : float
         Of its best cell, as in the heatmap.
+    level : str or None
+        In a building of several levels.
     """
 
     x_m: float
@@ -38,6 +41,22 @@ class Place(NamedTuple):
     drift_rad: float
     p: float
     score: float
+    level: str | None = None
+
+
+def place_on_level(place: Place, atlas: Atlas) -> Place:
+    """Return a place of an atlas as one in the map, with its level.
+
+    Parameters
+    ----------
+    place : Place
+    atlas : Atlas
+        Of a building of several levels.
+    """
+    here = np.array([[place.x_m, place.y_m]])
+    x, y = atlas.folded(here)[0]
+    level = atlas.names[int(atlas.level_of(here)[0])]
+    return place._replace(x_m=float(x), y_m=float(y), level=level)
 
 
 def find_places(

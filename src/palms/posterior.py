@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from palms._compiled import filter as loops
+from palms.building import Atlas
 from palms.geometry import FloatArray, as_readonly
 from palms.heatmap import Candidates
+from palms.hints import Hint
 from palms.observation import (
     ScanPoints,
     empty_nats,
@@ -25,7 +27,7 @@ from palms.raster import PlanRaster
 from palms.scan import Scan
 from palms.settings import ObservationSettings
 
-__all__ = ["Posterior", "judged", "posterior"]
+__all__ = ["Posterior", "hinted", "judged", "posterior"]
 
 _INDEX, _PLACE, _TURN, _CHOOSE = 0, 1, 2, 3  # purposes of random numbers
 FEW = 500  # ours: poses that set what the others must reach
@@ -97,6 +99,33 @@ def posterior(
     settings = settings or ObservationSettings()
     points = scan_points(scan, settings)
     return judged(search(scan, raster, settings), points, raster, settings)
+
+
+def hinted(
+    found: Posterior, hint: Hint, raster: PlanRaster, atlas: Atlas | None = None
+) -> Posterior:
+    """Weigh a posterior by a hint; the share of the belief that lies anywhere is weighed, too.
+
+    Parameters
+    ----------
+    found : Posterior
+    hint : Hint
+    raster : PlanRaster
+        That of the atlas, where there is one.
+    atlas : Atlas, optional
+        Of a building of several levels.
+
+    Raises
+    ------
+    InputError
+        When the plan has no such room or level, or nothing inside lies near the place.
+    """
+    log_weight = found.log_weight + np.log(hint.ratio(found.position_m, raster, atlas))
+    spoken = math.log(np.exp(log_weight - log_weight.max()).sum()) + float(log_weight.max())
+    kept = found.mass * math.exp(spoken)  # any place has a ratio of 1 in the mean
+    return replace(
+        found, log_weight=as_readonly(log_weight - spoken), mass=kept / (kept + 1 - found.mass)
+    )
 
 
 def judged(

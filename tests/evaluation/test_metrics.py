@@ -1,5 +1,6 @@
 """Every metric on tiny cases whose figures can be worked out by hand."""
 
+import json
 import math
 
 import numpy as np
@@ -196,3 +197,33 @@ def test_sampled_step_has_a_reference():
     drawn = {sample_step(answers, reference, np.random.default_rng(k)) for k in range(5)}
     assert drawn == {(0.25, False)}
     assert sample_step(answers, np.full((4, 2), NAN), np.random.default_rng(0)) is None
+
+
+def test_an_answer_on_another_level_is_wrong_however_near():
+    answers = Answers([1.0, 2.0, 3.0], np.zeros((3, 2)), [L, L, L], level=["1", "2", "2"])
+    moves = [[1, 0]] * 3
+    m = trial_metrics(answers, np.zeros((3, 2)), moves, reference_level=["1", "1", "2"])
+    assert (m.wrong, m.right_after_m) == (False, 1.0)
+    assert m.false_localized == pytest.approx(1 / 3)
+    assert m.useful == pytest.approx(2 / 3)
+    assert m.longest_false_m == 1.0
+    assert (m.rmse_after_m, m.within_1m_after) == (0.0, pytest.approx(2 / 3))
+    json.dumps(m.to_json(), allow_nan=False)
+    last = trial_metrics(answers, np.zeros((3, 2)), moves, reference_level=["1", "2", "1"])
+    assert last.final_error_m is None
+    for level, near in (("2", True), ("1", False)):
+        found = sample_step(
+            Answers([1.0], [[0, 0]], [L], [0.5], level=["2"]), [[0, 0]],
+            np.random.default_rng(0), [level],
+        )  # fmt: skip
+        assert found == (0.5, near)
+
+
+def test_levels_in_a_track_file_are_read():
+    steps = {
+        "t_s": [1.0], "x_m": [0.0], "y_m": [0.0], "stage": ["localized"], "p_within_1m": [1.0],
+        "radius_68_m": [0.1], "radius_95_m": [0.2], "level": ["G"], "p_level": [0.9],
+        "heading_rad": [None], "words": ["anything"],
+    }  # fmt: skip
+    assert Answers.from_json(steps).level == ("G",)
+    assert Answers.from_json({k: v for k, v in steps.items() if k != "level"}).level == (None,)

@@ -17,6 +17,7 @@ from palms.evaluation.sensitivity import read_trials
 from palms.evaluation.simulation import (
     CaseSettings,
     Count,
+    InertialNoise,
     TrueWalk,
     VioNoise,
     draw_nuisances,
@@ -253,8 +254,6 @@ def test_other_noise_is_another_experiment(simulated, tmp_path):
 def test_data_without_noise_is_refused_at_the_door(tmp_path):
     with pytest.raises(InputError, match="method oracle on sample/walk-1: expected its noise"):
         Experiment(sample_folder(), ("paper", "oracle")).cases()
-    with pytest.raises(InputError, match="method oracle: expected walk source arkit, got ronin"):
-        Experiment(sample_folder(), ("oracle",), walk_source="ronin")
     with pytest.raises(InputError, match="method oracle: expected the noise of the walk"):
         Experiment(sample_folder(), ("oracle",)).settings("oracle")
 
@@ -278,3 +277,18 @@ def test_damaged_nuisances_are_named(simulated, tmp_path, content, says):
     path.write_text(json.dumps(known) if content is None else content)
     with pytest.raises(FormatError, match=f"{path}.*{says}"):
         experiment.cases()
+
+
+def test_an_inertial_walk_is_told_as_inertial_noise():
+    noise = InertialNoise(0.001, 0.05, 1.0, 0.06, 0.08, 10.0)
+    found = oracle_settings(noise)
+    assert found.motion == Settings().motion
+    told = found.motion_for("inertial")
+    assert told.direction_rad * told.step_m == pytest.approx(0.05 * told.step_m**0.5)
+    assert told.drift_rate_rad_per_s == 0.001
+    assert told.scale_sd == pytest.approx(0.1)
+    wandered = told.scale_per_sqrt_m * 10**0.5  # over a leg as far as between two legs
+    assert wandered == pytest.approx(0.08 * 2**0.5)
+    shared = Experiment(sample_folder(), ("oracle",), walk_source="ronin").settings_json("oracle")
+    assert shared["inertial"]["scale_sd"] == "of the case"
+    assert shared["motion"]["scale_sd"] == Settings().motion.scale_sd

@@ -8,7 +8,7 @@ import pytest
 
 from palms.errors import FormatError, InputError, PalmsWarning
 from palms.floorplan import SegmentClass
-from palms.io import read_building
+from palms.io import read_building, read_levels
 from palms.io.plan_geojson import read_plan_geojson
 
 
@@ -111,7 +111,7 @@ def test_the_ground_floor_is_a_level_like_others(put):
     everywhere = feature("LineString", [[0, 0], [0, 5]])
     both = feature("LineString", [[8, 0], [8, 5]], level="0;1")
     path = put("a.geojson", collection(above, ground, everywhere, both))
-    levels = read_building(path)
+    levels = read_levels(path)
     assert [(each.name, each.ordinal, each.plan.level) for each in levels] == [
         ("0", 0, "0"), ("1", 1, "1"),
     ]  # fmt: skip
@@ -137,7 +137,7 @@ def test_levels_are_in_order_of_their_numbers_else_of_the_file(put, names, ordin
         feature("LineString", [[x, y + k * 1e-4] for x, y in line], level=name)
         for k, name in enumerate(names)
     ]
-    levels = read_building(put("a.geojson", collection(*listed)))
+    levels = read_levels(put("a.geojson", collection(*listed)))
     assert [(each.name, each.ordinal) for each in levels] == list(zip(names, ordinals, strict=True))
     assert len({each.plan.origin for each in levels}) == 1
     northing = [each.plan.segments_m[0, 0, 1] for each in levels]
@@ -174,3 +174,29 @@ def test_wrong_content_is_refused_in_one_line(put, says, content):
     with pytest.raises(InputError) as caught:
         read_plan_geojson(put("a.geojson", content))
     says(caught.value, "a.geojson")
+
+
+def test_stairs_are_known_by_their_class_whatever_they_are_called(put):
+    square = [[[0, 0], [2, 0], [2, 3], [0, 3], [0, 0]]]
+    beside = [[[5, 0], [7, 0], [7, 3], [5, 3], [5, 0]]]
+
+    def level(name, *areas):
+        lines = feature("LineString", [[0, 0], [20, 0]], indoor="wall", level=name)
+        return [lines, *areas]
+
+    shaft = feature("Polygon", square, indoor="room", room="stairs", level="0;1", ref="T1")
+    lift = feature("Polygon", beside, indoor="elevator", level="0")
+    office = feature("Polygon", beside, indoor="room", name="Office", level="1")
+    path = put("a.geojson", collection(shaft, *level("0", lift), *level("1", office)))
+    building = read_building(path)
+    assert building.names == ("0", "1")
+    assert [(each.name, each.position_m.tolist()) for each in building.stairs] == [
+        ("stairs", [1.0, 1.5])
+    ]
+    assert [len(each.stairs) for each in read_levels(path)] == [2, 1]  # the lift leads nowhere
+
+
+def test_one_level_is_a_building_of_one(put):
+    building = read_building(put("a.geojson", HALL))
+    assert len(building.levels) == 1
+    assert building.stairs == ()

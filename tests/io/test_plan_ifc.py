@@ -7,7 +7,7 @@ import pytest
 
 from palms.errors import InputError
 from palms.floorplan import SegmentClass
-from palms.io import FLOORPLANS, choose_format, read_any, read_building
+from palms.io import FLOORPLANS, choose_format, read_any, read_levels
 from palms.io.plan_ifc import read_plan_ifc
 from tests.io.floors import load_tool
 
@@ -178,7 +178,7 @@ def test_all_storeys_with_walls_are_a_building(put):
     house.box("Ground")
     house.box("Cellar", 2700.0)
     house.put("IFCWALL", "First floor", (4000, 0), (8200, THICK), "$", "$")
-    levels = read_building(put("a.ifc", house.text()))
+    levels = read_levels(put("a.ifc", house.text()))
     assert [(each.name, each.ordinal) for each in levels] == [
         ("Cellar", -1.0), ("Ground", 0.0), ("First floor", 1.0)
     ]  # fmt: skip

@@ -10,7 +10,13 @@ import pytest
 
 from palms.errors import FormatError, InputError, PalmsWarning
 from palms.floorplan import SegmentClass
-from palms.io import FLOORPLANS, choose_format, read_building, read_floorplan
+from palms.io import (
+    FLOORPLANS,
+    choose_format,
+    read_building,
+    read_floorplan,
+    read_levels,
+)
 from palms.io.plan_imdf import read_plan_imdf
 from tests.io.floors import DATA
 
@@ -153,7 +159,7 @@ def test_all_levels_of_a_venue_lie_in_one_frame_from_the_lowest_up(put_venue):
     above = level("1", 1, "b")
     above["geometry"] = area(0, 0, 60, 40)  # the frame's origin is the middle of all levels
     folder = put_venue(tower(above, level("B", -1, "b"), level("G", 0, "b")))
-    levels = read_building(folder, language="fr")
+    levels = read_levels(folder, language="fr")
     assert [(each.name, each.ordinal) for each in levels] == [
         ("Niveau B", -1), ("Niveau G", 0), ("Niveau 1", 1),
     ]  # fmt: skip
@@ -169,13 +175,13 @@ def test_levels_of_one_building_of_a_venue(put_venue, says):
     files = tower(level("G", 0, "b"), level("G", 0, "c"), level("1", 1, "c"))
     files["building"].append(item("c", None, name={"en": "Annex"}))
     folder = put_venue(files)
-    assert len(read_building(folder)) == 3
-    annex = read_building(folder, building="Annex")
+    assert len(read_levels(folder)) == 3
+    annex = read_levels(folder, building="Annex")
     assert [(each.name, each.plan.name) for each in annex] == [
         ("Level G", "Annex"), ("Level 1", "Annex"),
     ]  # fmt: skip
     with pytest.raises(InputError) as caught:
-        read_building(folder, building="Tower")
+        read_levels(folder, building="Tower")
     says(caught.value, "building='Tower'", "Annex")
 
 
@@ -184,14 +190,14 @@ def test_a_level_without_walls_is_left_out_with_a_word(put_venue):
     roof = level("R", 1, "b")
     folder = put_venue(files | {"level": [*files["level"], roof]})
     with pytest.warns(PalmsWarning, match="level Level R is left out"):
-        assert [each.name for each in read_building(folder)] == ["Level G"]
+        assert [each.name for each in read_levels(folder)] == ["Level G"]
     with pytest.raises(FormatError):
-        read_building(put_venue(files | {"level": [roof]}))
+        read_levels(put_venue(files | {"level": [roof]}))
 
 
 def test_the_level_of_a_file_of_one_level_is_its_building():
     for name in ("floor.dxf", "floor.imdf.zip", "floor.geojson"):
-        (only,) = read_building(DATA / name)
+        (only,) = read_levels(DATA / name)
         plan = read_floorplan(DATA / name)
         np.testing.assert_array_equal(only.plan.segments_m, plan.segments_m)
         assert (only.name, only.plan.level) == (plan.level or "", plan.level)
@@ -253,3 +259,27 @@ def test_odd_values_give_a_plan_or_one_line(put_venue, changes):
         text = str(error)
     assert text != "0"
     assert "\n" not in text
+
+
+def test_stairs_are_units_of_such_a_category_on_two_levels(put_venue, says):
+    files = tower(level("G", 0, "b"), level("1", 1, "b"))
+    for each in files["level"]:
+        on = {"level_id": each["id"], "name": None}
+        files["unit"].append(item(f"{each['id']}-e", area(0, 3, 2, 5), category="elevator", **on))
+    last = files["level"][1]["id"]
+    files["unit"].append(
+        item("s", area(8, 4, 9, 5), category="stairs", name={"en": "Stairs"}, level_id=last)
+    )
+    building = read_building(put_venue(files))
+    assert building.names == ("Level G", "Level 1")
+    (lift,) = building.stairs  # stairs that the other level does not have lead nowhere
+    assert lift.name == "elevator"
+    low, high = (corner(lift.polygon_m, axis=0) for corner in (np.min, np.max))
+    assert (high - low) == pytest.approx([2, 2], abs=0.02)
+
+
+def test_a_building_of_two_levels_of_one_name_asks_for_the_building(put_venue, says):
+    folder = put_venue(tower(level("G", 0, "b"), level("G", 0, "c")))
+    with pytest.raises(InputError) as caught:
+        read_building(folder)
+    says(caught.value, "several levels called 'Level G'", "building=NAME")

@@ -5,7 +5,7 @@ import pytest
 
 from palms.errors import FormatError, InputError
 from palms.floorplan import SegmentClass
-from palms.io import FLOORPLANS, choose_format, read_any, read_building
+from palms.io import FLOORPLANS, choose_format, read_any, read_levels
 from palms.io.osm_elements import parse_levels
 from palms.io.plan_osm import read_plan_osm
 
@@ -124,7 +124,7 @@ def test_levels_are_listed_and_chosen_by_number_name_ref_and_id(house, put, says
 def test_all_levels_are_a_building(house, put):
     house.ring(box(0, 0, 20, 6), indoor="level", level="1", name="First floor")
     house.ring(box(0, 0, 8, 2), indoor="room", level="1", name="Attic", repeat_on="3")
-    levels = read_building(put("a.osm", house.text()), origin=ORIGIN)
+    levels = read_levels(put("a.osm", house.text()), origin=ORIGIN)
     told = [(each.name, each.ordinal) for each in levels]
     assert told == [("0", 0.0), ("First floor", 1.0), ("3", 3.0)]
     assert [room.name for room in levels[2].plan.rooms] == ["Attic"]

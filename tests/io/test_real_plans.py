@@ -13,7 +13,7 @@ from shapely import Polygon
 
 from palms.errors import InputError
 from palms.floorplan import SegmentClass
-from palms.io import FLOORPLANS, read_any, read_building, read_floorplan
+from palms.io import FLOORPLANS, read_any, read_floorplan, read_levels
 from tests.io.floors import along, apart_m, length_m
 
 DEFAULT = Path(__file__).parents[3] / "shared" / "data"
@@ -57,7 +57,7 @@ def test_the_levels_of_a_university():
 def test_all_levels_of_a_university_lie_in_one_frame():
     folder = DATA / "imdf_spbstu"
     listed = json.loads((folder / "levels.json").read_text())
-    levels = read_building(folder, language="en")
+    levels = read_levels(folder, language="en")
     assert [each.ordinal for each in levels] == sorted(each["ordinal"] for each in listed)
     assert len({each.plan.origin for each in levels}) == 1
     for building in {each["building"] for each in listed}:

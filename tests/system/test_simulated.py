@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import math
 import re
 import shutil
 import sys
@@ -22,9 +23,12 @@ SMALL = "--building office --buildings 2 --starts 2 --walks 1 --seed 1 --length 
 def bench():
     sys.path.insert(0, str(ROOT))
     try:
-        from benchmarks.simulated import nuisances, steps, studies, tables
+        from benchmarks.simulated import events, nuisances, steps, studies, tables
 
-        yield {"nuisances": nuisances, "steps": steps, "studies": studies, "tables": tables}
+        yield {
+            "nuisances": nuisances, "steps": steps, "studies": studies, "tables": tables,
+            "events": events,
+        }  # fmt: skip
     finally:
         sys.path.remove(str(ROOT))
 
@@ -140,3 +144,40 @@ def test_every_nuisance_that_a_walk_here_has_is_doubled(bench):
     names = bench["studies"].Nuisances().names
     assert {"thickness_m", "vio_scale_sd", "furniture_per_m"} <= set(names)
     assert not any(name.startswith("inertial") for name in names)
+
+
+@pytest.fixture(scope="module")
+def happenings(bench):
+    """Small studies of what happens on the way."""
+    return bench["studies"].Happenings(2, 1, particles=300)
+
+
+def test_what_happens_is_asked_of_the_same_buildings_and_walks(bench, happenings):
+    plain = happenings.study("plain").dataset.words()
+    for name in happenings.names:
+        words = happenings.study(name).dataset.words()
+        added = [word for word in words if word not in plain]
+        assert bool(added) == (name not in ("plain", "inertial")), name
+        assert [word for word in plain[:-1] if word in words] == plain[:-1]
+    assert "--walk-source ronin" in " ".join(happenings.study("inertial").commands()[1])
+
+
+def test_found_again_wants_three_marks_in_a_row_soon_after_the_jump(bench):
+    found_again = bench["events"].found_again
+    walked = [58.0, 60.0, 80.5, *[82.0 + 2 * k for k in range(20)]]
+
+    def trial(begins, near=0.3):
+        right = [begins <= k < begins + 3 for k in range(len(walked))]
+        error = [near if each else 9.0 for each in right]
+        return {"series": {"walked_m": walked, "error_m": error, "localized": [1] * len(walked)}}
+
+    assert found_again(trial(3)) == 1
+    assert found_again(trial(17)) == 1  # begins 29.5 m after the jump
+    assert found_again(trial(18)) == 0
+    assert found_again(trial(3, near=1.1)) == 0
+    assert math.isnan(found_again({"series": {"walked_m": [1.0, 3.0]}}))
+
+
+def test_right_by_so_many_metres(bench):
+    soon = bench["events"].right_by(25.0)
+    assert [soon({"right_after_m": each}) for each in (None, 25.0, 25.1)] == [0, 1, 0]

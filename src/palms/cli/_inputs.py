@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -11,8 +12,11 @@ from typing import TYPE_CHECKING, Any, Literal
 from palms.errors import PalmsWarning, SettingsError
 
 if TYPE_CHECKING:
+    from palms.building import Building
     from palms.floorplan import FloorPlan
+    from palms.hints import Hint
     from palms.io import RecordedWalk
+    from palms.localizer import Happening
     from palms.odometry import Odometry
     from palms.scan import Scan
     from palms.settings import Settings
@@ -73,6 +77,10 @@ class Case:
         Its name.
     scan_name, walk_name : str
         What to call scan and walk.
+    building : Building, optional
+        Where there are several levels; `plan` is the lowest.
+    hints : tuple of Hint
+        What is said of where it starts.
     """
 
     plan: FloorPlan
@@ -82,6 +90,27 @@ class Case:
     source: str
     scan_name: str
     walk_name: str
+    building: Building | None = None
+    hints: tuple[Hint, ...] = ()
+
+    @property
+    def ground(self) -> FloorPlan | Building:
+        """What it is looked for in."""
+        return self.plan if self.building is None else self.building
+
+    @property
+    def told(self) -> tuple[Happening, ...]:
+        """What is known where the walk begins: hints, and the scan."""
+        from palms.localizer import Happening
+
+        told: list[Scan | Hint] = [*self.hints, self.scan]
+        return tuple(Happening(-math.inf, what) for what in told)
+
+    def plan_of(self, level: str | None) -> FloorPlan:
+        """Return the plan of a level; the only one where none is named."""
+        if self.building is None or level is None:
+            return self.plan
+        return self.building.level(level)
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,13 +162,17 @@ def read_walk(given: Input) -> RecordedWalk:
 
 
 def read_case(
-    plan: Input, scan: Input, walk: Input, odometry: Literal["arkit", "ronin"] | None = None
+    plan: Input | Building,
+    scan: Input,
+    walk: Input,
+    odometry: Literal["arkit", "ronin"] | None = None,
 ) -> Case:
     """Read a plan, a scan and a walk, and make sure that scan and walk belong together.
 
     Parameters
     ----------
     plan, scan, walk : Input
+        A building that was read is taken as it is.
     odometry : {"arkit", "ronin"}, optional
         Which of the walk; `RecordedWalk.usual_source` when left out.
 
@@ -155,7 +188,8 @@ def read_case(
     """
     from palms.io import check_same_session
 
-    floor, seen, recorded = read_plan(plan), read_scan(scan), read_walk(walk)
+    floor = read_plan(plan) if isinstance(plan, Input) else plan.levels[0]
+    seen, recorded = read_scan(scan), read_walk(walk)
     source = odometry or recorded.usual_source
     moves = recorded.odometry(source)
     check_same_session(seen, moves)
@@ -166,7 +200,8 @@ def read_case(
             stacklevel=2,
         )
     names = scan_name(scan.path), walk_name(walk.path)
-    return Case(floor, seen, recorded, moves, source, *names)
+    several = None if isinstance(plan, Input) or len(plan.levels) == 1 else plan
+    return Case(floor, seen, recorded, moves, source, *names, several)
 
 
 def scan_name(path: Path) -> str:

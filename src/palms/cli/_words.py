@@ -113,10 +113,16 @@ def localized_step(track: Track) -> int | None:
 
 
 def error_m(track: Track, step: int, case: Case) -> float | None:
-    """Distance from the answer to the reference; None where either is missing."""
+    """Distance from the answer to the reference; None where either is missing.
+
+    It is infinite where the answer is on another level.
+    """
     position = track.estimates[step].position_m
     if position is None or not case.walk.has_reference[step]:
         return None
+    level = track.estimates[step].level
+    if level is not None and case.walk.truth is not None and case.walk.truth.level[step] != level:
+        return math.inf
     x, y = position - case.walk.reference_m[step]
     return math.hypot(x, y)
 
@@ -126,9 +132,23 @@ def _answer(when: str, track: Track, step: int, case: Case) -> tuple[str, str]:
     if estimate.position_m is None:
         return f"{when}: no answer.", ""
     off = error_m(track, step, case)
-    truth = "" if off is None else f" The truth was {off:.1f} m away."
-    place = where(case.plan, estimate.position_m)
-    return f"{when}: {place}.", f"How sure: {how_sure(estimate)}.{truth}"
+    truth = (
+        "" if off is None else f" The truth was {_metres(off)}{'' if off == math.inf else ' away'}."
+    )
+    return f"{when}: {_place(estimate, case)}.", f"How sure: {how_sure(estimate)}.{truth}"
+
+
+def _place(estimate: Estimate, case: Case) -> str:
+    """Say where an answer is, with its level where there are several."""
+    assert estimate.position_m is not None
+    place = where(case.plan_of(estimate.level), estimate.position_m)
+    if estimate.level is None:
+        return place
+    return f"level {estimate.level} ({_percent(estimate.p_level)}), {place}"
+
+
+def _metres(off_m: float) -> str:
+    return f"{off_m:.1f} m" if math.isfinite(off_m) else "on another level"
 
 
 def _after(case: Case, step: int) -> str:
@@ -146,10 +166,10 @@ def row(track: Track, case: Case) -> list[str]:
     return [
         str(track.seed),
         _after(case, step),
-        "-" if position is None else where(case.plan, position),
+        "-" if position is None else _place(estimate, case),
         _percent(estimate.p_within_2m),
         "-" if radius is None else f"{radius:.1f} m",
-        "-" if off is None else f"{off:.1f} m",
+        "-" if off is None else _metres(off),
     ]
 
 
@@ -165,7 +185,9 @@ def summary(tracks: Sequence[Track], case: Case) -> str:
     if not off:
         return f"{text}, in the median after {walked:.0f} m."
     wrong = sum(error > SAME_PLACE_M for error in off)
+    middle = median(off)
+    away = f"{middle:.1f} m off" if math.isfinite(middle) else "on another level"
     return (
-        f"{text}, in the median after {walked:.0f} m and {median(off):.1f} m off; "
+        f"{text}, in the median after {walked:.0f} m and {away}; "
         f"{wrong} of {len(off)} more than 2 m off."
     )

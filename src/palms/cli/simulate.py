@@ -91,6 +91,13 @@ def simulate(
             metavar="METRES", help="Let the odometry jump after so many.", show_default=False
         ),
     ] = None,
+    jump_by: Annotated[
+        float | None,
+        typer.Option(
+            metavar="METRES", help="How far it jumps, without a turn; drawn when left out.",
+            show_default=False,
+        ),
+    ] = None,
     hint: Annotated[
         Hint | None,
         typer.Option(help="Let somebody name the room or the place.", show_default=False),
@@ -98,6 +105,9 @@ def simulate(
     wrong_hint: Annotated[
         bool, typer.Option("--wrong-hint", help="The hint is not true.")
     ] = False,
+    hint_after: Annotated[
+        float, typer.Option(metavar="METRES", help="When the hint is given.")
+    ] = 30.0,
     stops: Annotated[
         bool, typer.Option("--stops", help="Walkers stand still now and then.")
     ] = False,
@@ -132,6 +142,7 @@ def simulate(
         length_m=length, rate_hz=rate, odometry=odometry.value,
         scan_turn_rad=math.radians(scan_turn), second_scan_m=second_scan, jump_m=jump,
         hint=None if hint is None else hint.value, hint_is_right=not wrong_hint,
+        jump_size_m=jump_by, hint_m=hint_after,
         stops=stops, rooms=rooms,
     )  # fmt: skip
     check_file(json)
@@ -218,9 +229,9 @@ def _all_written(out: Path, task: _Task) -> list[dict[str, Any]]:
 
 def _written(out: Path, task: _Task) -> Iterator[dict[str, Any]]:
     """Build one building, write its cases, and yield what there is to say of each."""
+    from palms.building import Building
     from palms.cli._inputs import Input, read_plan
     from palms.evaluation.simulation import (
-        Building,
         Count,
         NuisanceRanges,
         generate_levels,

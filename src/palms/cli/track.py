@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from palms.cli._levels import Above, AllLevels, HintProbability, Level, Near, RoomName
 from palms.cli._options import (
     CellSize,
     Json,
@@ -77,6 +79,12 @@ def track(
     trials: Annotated[
         int, typer.Option(metavar="N", min=1, help="How often, each with a seed of its own.")
     ] = 1,
+    above: Above = None,
+    all_levels: AllLevels = False,
+    near: Near = None,
+    room: RoomName = None,
+    level: Level = None,
+    hint_probability: HintProbability = 0.9,
     json: Json = None,
     out: Out = None,
     cell_size: CellSize = None,
@@ -89,14 +97,20 @@ def track(
 ) -> None:
     """Follow a recorded walk and tell when and where it was localized."""
     from palms.cli import _inputs as inputs
+    from palms.cli import _levels as levels
 
     settings = inputs.make_settings(method, cell_size, particles)
+    hints = levels.hints_of(near, room, level, hint_probability, settings)
+    building = levels.read_building(
+        inputs.Input(plan, plan_format, plan_option), above or (), all_levels
+    )
     case = inputs.read_case(
-        inputs.Input(plan, plan_format, plan_option),
+        building,
         inputs.Input(scan, scan_format, scan_option),
         inputs.Input(walk, walk_format, walk_option),
         walk_source.value if walk_source else None,
     )
+    case = replace(case, hints=hints)
     check_file(json)
     check_folder(out)
     say = speaker(json)
@@ -116,14 +130,14 @@ def follow(case: Case, settings: Settings, seeds: range) -> list[Track]:
     import palms
     from palms.cli._compiling import announcing
 
-    raster = palms.rasterize(case.plan, settings.raster)
+    where = case.building or palms.rasterize(case.plan, settings.raster)
     jobs = min(len(seeds), os.cpu_count() or 1)
     found = []
     with (
         announcing(lambda text: typer.echo(text, err=True)),
         progress(len(seeds), "Following the walk") as advance,
     ):
-        for each in palms.track_trials(raster, case.scan, case.odometry, settings, seeds, jobs):
+        for each in palms.track_trials(where, case.told, case.odometry, settings, seeds, jobs):
             found.append(each)
             advance()
     return found

@@ -9,30 +9,25 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from fnmatch import fnmatchcase
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from palms.errors import FormatError, InputError, SettingsError
-from palms.evaluation.metrics import Answers, sample_step, trial_metrics
+from palms.errors import InputError, SettingsError
+from palms.evaluation.metrics import sample_step, trial_metrics
 from palms.evaluation.oracle import ORACLE, ORACLE_PARTICLES, oracle_settings, shared_settings
 from palms.evaluation.provenance import machine, versions
-from palms.evaluation.simulation.output import NUISANCES_FILE, read_nuisances
-from palms.evaluation.simulation.settings import VioNoise
-from palms.floorplan import FloorPlan
-from palms.geometry import FloatArray
-from palms.io import Case, RecordedWalk, open_dataset
+from palms.evaluation.simulation.output import NUISANCES_FILE
+from palms.evaluation.simulation.settings import InertialNoise, VioNoise
+from palms.evaluation.subject import Subject, noise_of, reference_of
+from palms.io import Case, open_dataset
 from palms.io.plan_csv import rooms_path
 from palms.io.truth import TRUTH_FILE
-from palms.localizer import Track, track_trials
-from palms.odometry import Odometry
-from palms.raster import PlanRaster, rasterize
-from palms.scan import Scan
-from palms.settings import METHODS, RasterSettings, Settings
+from palms.localizer import Track
+from palms.settings import METHODS, Settings
 
 __all__ = ["Batch", "Experiment", "Subject", "run_batch", "trial_seed"]
 
@@ -56,68 +51,6 @@ def trial_seed(seed: int, scene: str, walk: str, trial: int) -> int:
     text = "\x1f".join([str(seed), scene, walk, str(trial)])
     digest = hashlib.blake2b(text.encode(), digest_size=8).digest()
     return int.from_bytes(digest, "big") >> 11  # exact as a JSON number
-
-
-@dataclass(frozen=True, slots=True)
-class Subject:
-    """One walk of a data set, read: what a worker needs and no file more.
-
-    Parameters
-    ----------
-    scene, walk : str
-    plan : FloorPlan
-    scan : Scan
-    odometry : Odometry
-    reference_m : (T, 2)
-        Where the phone was; NaN where nobody knows.
-    noise : VioNoise, optional
-        What the odometry's errors were drawn with, where somebody knows: for the oracle alone.
-    """
-
-    scene: str
-    walk: str
-    plan: FloorPlan
-    scan: Scan
-    odometry: Odometry
-    reference_m: FloatArray
-    noise: VioNoise | None = None
-
-    @classmethod
-    def of(cls, case: Case, source: str = "arkit", with_noise: bool = False) -> Subject:
-        """Read the files of a case.
-
-        Raises
-        ------
-        InputError
-            When a file is not what it should be, the walk has no reference, or its noise is
-            asked for and not there.
-        """
-        walk = case.walk()
-        reference = _reference(case, walk)
-        odometry = walk.odometry("ronin" if source == "ronin" else "arkit")
-        noise = _noise(case) if with_noise else None
-        return cls(case.scene, case.name, case.plan(), case.scan(), odometry, reference, noise)
-
-
-def _reference(case: Case, walk: RecordedWalk) -> FloatArray:
-    if walk.reference_m is None or np.isnan(walk.reference_m).any(axis=1).all():
-        raise InputError(
-            str(case.walk_path), expected="reference positions", got="none",
-            fix="add truth.csv or ARKit_PF, or take the walk out of the data set",
-        )  # fmt: skip
-    return walk.reference_m
-
-
-def _noise(case: Case) -> VioNoise:
-    try:
-        return read_nuisances(case.folder).vio
-    except FormatError:
-        raise
-    except InputError:
-        raise InputError(
-            f"method {ORACLE} on {case.title}", expected=f"its noise in {NUISANCES_FILE}",
-            got="none", fix=f"leave {ORACLE} out, or make the data with: palms simulate",
-        ) from None  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +85,7 @@ class Experiment:
     Raises
     ------
     InputError
-        When there is no method, or the oracle is to read another odometry than ``arkit``.
+        When there is no method.
     SettingsError
         When a method is unknown.
 
@@ -176,18 +109,13 @@ class Experiment:
             raise InputError("methods", expected="at least one", got="none", fix="such as: paper")
         for name in self.methods:
             self.settings_json(name)  # an unknown method is said before the work
-        if self.has_oracle and self.walk_source != "arkit":
-            raise InputError(
-                f"method {ORACLE}", expected="walk source arkit", got=self.walk_source,
-                fix="it knows visual-inertial noise alone; leave it out",
-            )  # fmt: skip
 
     @property
     def has_oracle(self) -> bool:
         """Whether the oracle takes part, which needs each walk's noise."""
         return ORACLE in self.methods
 
-    def settings(self, method: str, noise: VioNoise | None = None) -> Settings:
+    def settings(self, method: str, noise: VioNoise | InertialNoise | None = None) -> Settings:
         """Return the settings of a method on a walk; only the oracle's depend on its noise."""
         if method == ORACLE:
             if noise is None:
@@ -203,7 +131,7 @@ class Experiment:
     def settings_json(self, method: str) -> dict[str, Any]:
         """Return what results say of a method's settings; what a case decides is named so."""
         if method == ORACLE:
-            found = shared_settings(self.particles or ORACLE_PARTICLES)
+            found = shared_settings(self.particles or ORACLE_PARTICLES, self.walk_source)
         else:
             found = asdict(self.settings(method))
         said: dict[str, Any] = finite(found)
@@ -231,12 +159,14 @@ class Experiment:
             )  # fmt: skip
         for case in cases:
             walk = case.walk()
-            _reference(case, walk)
+            reference_of(case, walk)
             walk.odometry("ronin" if self.walk_source == "ronin" else "arkit")
             if not case.scan_paths:
                 case.scan()  # says what is missing
+            if case.above_paths or case.events_path.is_file():
+                Subject.of(case, self.walk_source)  # says what is wrong with them
             if self.has_oracle:
-                self.settings(ORACLE, _noise(case))
+                self.settings(ORACLE, noise_of(case, self.walk_source))
         return cases
 
     def _takes(self, case: Case) -> bool:
@@ -277,6 +207,9 @@ def _files(case: Case, with_noise: bool) -> Iterator[Path]:
     beside = [rooms_path(case.plan_path), case.folder / TRUTH_FILE]
     if with_noise:
         beside.append(case.folder / NUISANCES_FILE)
+    for path in case.above_paths:
+        beside += [path, rooms_path(path)]
+    beside.append(case.events_path)
     for path in (case.plan_path, case.walk_path, *case.scan_paths, *beside):
         yield from sorted(path.iterdir()) if path.is_dir() else [path] if path.exists() else []
 
@@ -284,16 +217,17 @@ def _files(case: Case, with_noise: bool) -> Iterator[Path]:
 def run_batch(subject: Subject, batch: Batch, experiment: Experiment) -> list[Record]:
     """Run some trials; return a record for each, fit for JSON."""
     settings = experiment.settings(batch.method, subject.noise)
-    settings = replace(settings, answer=replace(settings.answer, hypotheses=0))
-    raster = _raster(_Plan(subject.plan), settings.raster)
     seeds = [trial_seed(experiment.seed, batch.scene, batch.walk, t) for t in batch.trials]
-    tracks = track_trials(raster, subject.scan, subject.odometry, settings, seeds)
-    moves = subject.odometry.displacements_m
+    raster, moves = subject.raster(settings), subject.odometry.displacements_m
+    reference = subject.reference_m, subject.reference_level
     records = []
-    for trial, seed, track in zip(batch.trials, seeds, tracks, strict=True):
-        answers = Answers.of(track)
-        metrics = trial_metrics(answers, subject.reference_m, moves, raster)
-        stated = sample_step(answers, subject.reference_m, np.random.default_rng([seed, SAMPLE]))
+    for trial, seed, track in zip(
+        batch.trials, seeds, subject.tracks(settings, seeds), strict=True
+    ):
+        answers = subject.answers(track)
+        metrics = trial_metrics(answers, reference[0], moves, raster, reference[1])
+        rng = np.random.default_rng([seed, SAMPLE])
+        stated = sample_step(answers, reference[0], rng, reference[1])
         head = {
             "scene": batch.scene, "walk": batch.walk, "method": batch.method, "trial": trial,
             "seed": seed,
@@ -306,33 +240,13 @@ def run_batch(subject: Subject, batch: Batch, experiment: Experiment) -> list[Re
     return records
 
 
-class _Plan:
-    """A plan as a key: two of the same content are one."""
-
-    def __init__(self, plan: FloorPlan) -> None:
-        self.plan = plan
-        self.key = (plan.segments_m.tobytes(), plan.classes.tobytes())
-
-    def __hash__(self) -> int:
-        return hash(self.key)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Plan) and self.key == other.key
-
-
-@lru_cache(maxsize=2)
-def _raster(plan: _Plan, settings: RasterSettings) -> PlanRaster:
-    """Return the raster of a plan; batches of one building share it, with its transform."""
-    return rasterize(plan.plan, settings)
-
-
 def series(track: Track, subject: Subject) -> dict[str, list[Any]]:
     """Return what curves need, about every two metres walked; steps without reference left out."""
     walked = subject.odometry.walked_m
     known = np.flatnonzero(~np.isnan(subject.reference_m).any(axis=1))
     marks = np.arange(0.0, walked[-1] + SERIES_M, SERIES_M)
     chosen = np.unique(known[np.minimum(np.searchsorted(walked[known], marks), len(known) - 1)])
-    error = np.linalg.norm(track.position_m - subject.reference_m, axis=1)
+    error = subject.answers(track).off_m(subject.reference_m, subject.reference_level)
     picked = [track.estimates[i] for i in chosen]
     return {
         "walked_m": _rounded(walked[chosen]),
@@ -346,7 +260,7 @@ def series(track: Track, subject: Subject) -> dict[str, list[Any]]:
 
 
 def _rounded(values: Iterable[float], digits: int = 3) -> list[float | None]:
-    return [None if np.isnan(v) else round(float(v), digits) for v in values]
+    return [round(float(v), digits) if np.isfinite(v) else None for v in values]
 
 
 def as_results(experiment: Experiment, records: Sequence[Record]) -> dict[str, Any]:

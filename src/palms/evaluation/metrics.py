@@ -3,7 +3,8 @@
 What they mean is the contract of the project: shares of metres walked, so that standing
 still earns nothing; steps without a reference are left out of everything; a walk that never
 converges is counted, never dropped. The headline is a pair: `false_localized`, and
-`right_after_m`, the metres to a right declaration.
+`right_after_m`, the metres to a right declaration. In a building of several levels an answer
+on another level than the truth's is infinitely far off.
 """
 
 from __future__ import annotations
@@ -44,6 +45,8 @@ class Answers:
         Stated probability that the phone is that near; 0 when left out.
     radius_68_m, radius_95_m : array_like (T,), optional
         Discs around the answer that hold so much of the belief; NaN where not stated.
+    level : sequence (T,), optional
+        Name of the level that the answer is on; None where there is only one.
 
     Raises
     ------
@@ -62,9 +65,11 @@ class Answers:
     p_within_1m: FloatArray = None  # type: ignore[assignment]
     radius_68_m: FloatArray = None  # type: ignore[assignment]
     radius_95_m: FloatArray = None  # type: ignore[assignment]
+    level: tuple[str | None, ...] = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
         n = len(self.t_s)
+        object.__setattr__(self, "level", tuple(self.level or (None,) * n))
         object.__setattr__(self, "stage", tuple(Stage(stage) for stage in self.stage))
         object.__setattr__(self, "position_m", as_readonly(self.position_m).reshape(-1, 2))
         absent = {"p_within_1m": 0.0, "radius_68_m": math.nan, "radius_95_m": math.nan}
@@ -90,6 +95,7 @@ class Answers:
             np.array([e.p_within_1m for e in steps]),
             np.array([e.radius_68_m for e in steps], dtype=np.float64),
             np.array([e.radius_95_m for e in steps], dtype=np.float64),
+            tuple(e.level for e in steps),
         )
 
     @classmethod
@@ -103,12 +109,37 @@ class Answers:
         >>> Answers.from_json(steps).position_m
         array([[nan, nan]])
         """
-        number = {k: np.array(v, dtype=np.float64) for k, v in steps.items() if k != "stage"}
+        names = ("t_s", "x_m", "y_m", "p_within_1m", "radius_68_m", "radius_95_m")
+        number = {name: np.array(steps[name], dtype=np.float64) for name in names}
         return cls(
             number["t_s"], np.stack([number["x_m"], number["y_m"]], axis=1),
             tuple(steps["stage"]), number["p_within_1m"], number["radius_68_m"],
-            number["radius_95_m"],
+            number["radius_95_m"], tuple(steps.get("level", ())),
         )  # fmt: skip
+
+    def off_m(
+        self, reference_m: npt.ArrayLike, reference_level: Sequence[str | None] | None = None
+    ) -> FloatArray:
+        """Distance (T,) to the truth; infinite on another level, NaN where either is missing.
+
+        Parameters
+        ----------
+        reference_m : array_like (T, 2)
+        reference_level : sequence (T,), optional
+            Levels of the truth; those of the answers do not count when left out.
+
+        Examples
+        --------
+        >>> answers = Answers([1, 2], [[0, 0], [0, 0]], ["localized"] * 2, level=["1", "2"])
+        >>> answers.off_m([[3, 4], [3, 4]], ["1", "1"]).tolist()
+        [5.0, inf]
+        """
+        reference = _checked(reference_m, "reference", len(self.t_s))
+        off: FloatArray = np.linalg.norm(self.position_m - reference, axis=1)
+        if reference_level is not None:
+            other = [a != b for a, b in zip(self.level, reference_level, strict=True)]
+            off[np.array(other, dtype=np.bool_) & ~np.isnan(off)] = np.inf
+        return off
 
     @property
     def localized(self) -> npt.NDArray[np.bool_]:
@@ -138,14 +169,14 @@ class TrialMetrics:
     longest_false_m : float
         The longest stretch of it without a break.
     rmse_after_m, within_1m_after : float or None
-        Over the localized steps.
+        Over the localized steps; RMSEs over those on the right level.
     useful : float or None
         Share of all metres on which the stage is localized and the answer within 1 m.
     right_place : float or None
         Share of all metres on which it is localized and no wall lies between answer and
         reference; None without a plan.
     final_error_m : float or None
-        Error of the last answer.
+        Error of the last answer; None on the wrong level.
     coverage_68, coverage_95 : float or None
         Share of the localized steps within the stated radius.
     paper_time_s, paper_distance_m, paper_rmse_m, paper_within_1m : float or None
@@ -203,6 +234,7 @@ def trial_metrics(
     reference_m: npt.ArrayLike,
     moves_m: npt.ArrayLike,
     raster: PlanRaster | None = None,
+    reference_level: Sequence[str | None] | None = None,
 ) -> TrialMetrics:
     """Compare the answers of one trial with reference positions.
 
@@ -216,7 +248,10 @@ def trial_metrics(
     moves_m : array_like (T, 2)
         The odometry's moves, the first from (0, 0).
     raster : PlanRaster, optional
-        The plan, for `right_place`.
+        The plan, for `right_place`; with several levels that of their atlas, on which
+        answers and reference are then given.
+    reference_level : sequence (T,), optional
+        The level that the phone was on, in a building of several.
 
     Raises
     ------
@@ -234,13 +269,13 @@ def trial_metrics(
     moves = _checked(moves_m, "moves", len(answers.t_s))
     length = np.linalg.norm(moves, axis=1)
     known = ~np.isnan(reference).any(axis=1)
-    off = np.linalg.norm(answers.position_m - reference, axis=1)[known]
+    off = answers.off_m(reference, reference_level)[known]
     steps = _Steps(
         answers.t_s[known], np.cumsum(length)[known], length[known], off, answers.localized[known]
     )
     place = None
     if raster is not None:
-        clear = ~np.isnan(off)
+        clear = np.isfinite(off)
         clear[clear] = ~raster.blocked(
             answers.position_m[known][clear], reference[known][clear]
         )  # fmt: skip
@@ -267,7 +302,7 @@ def _checked(values: npt.ArrayLike, what: str, n: int) -> FloatArray:
 
 
 def _number(value: float) -> float | None:
-    return None if math.isnan(value) else float(value)
+    return float(value) if math.isfinite(value) else None
 
 
 def _ratio(part: float, whole: float) -> float | None:
@@ -279,7 +314,8 @@ def _share(holds: npt.NDArray[np.bool_], among: npt.NDArray[np.bool_]) -> float 
 
 
 def _rmse(error_m: FloatArray) -> float | None:
-    known = error_m[~np.isnan(error_m)]
+    """Of the answers on the right level; no number is fair to the others."""
+    known = error_m[np.isfinite(error_m)]
     return float(np.sqrt((known**2).mean())) if len(known) else None
 
 
@@ -331,7 +367,10 @@ def _longest(mask: npt.NDArray[np.bool_], move_m: FloatArray) -> float:
 
 
 def sample_step(
-    answers: Answers, reference_m: npt.ArrayLike, rng: np.random.Generator
+    answers: Answers,
+    reference_m: npt.ArrayLike,
+    rng: np.random.Generator,
+    reference_level: Sequence[str | None] | None = None,
 ) -> tuple[float, bool] | None:
     """Draw one step that has a reference: its `p_within_1m`, and whether it was so.
 
@@ -349,5 +388,5 @@ def sample_step(
     if not len(known):
         return None
     at = int(rng.choice(known))
-    off = float(np.linalg.norm(answers.position_m[at] - reference[at]))
-    return float(answers.p_within_1m[at]), off <= NEAR_M
+    off = answers.off_m(reference, reference_level)[at]
+    return float(answers.p_within_1m[at]), bool(off <= NEAR_M)

@@ -8,11 +8,12 @@ recorded walks with noise added to their reference.
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, replace
 from typing import Any
 
-from palms.evaluation.simulation.settings import VioNoise
-from palms.settings import Settings
+from palms.evaluation.simulation.settings import InertialNoise, VioNoise
+from palms.settings import MotionSettings, Settings
 
 __all__ = ["ORACLE", "ORACLE_PARTICLES", "oracle_settings", "shared_settings"]
 
@@ -21,13 +22,16 @@ ORACLE_PARTICLES = 120_000  # ours: doubling them changes `useful` by less than 
 OF_THE_CASE = "of the case"
 
 
-def oracle_settings(noise: VioNoise, n_particles: int = ORACLE_PARTICLES) -> Settings:
-    """Return the settings of the oracle for one case with visual-inertial odometry.
+def oracle_settings(
+    noise: VioNoise | InertialNoise, n_particles: int = ORACLE_PARTICLES
+) -> Settings:
+    """Return the settings of the oracle for one case.
 
     Parameters
     ----------
-    noise : VioNoise
-        What the odometry's errors were drawn with.
+    noise : VioNoise or InertialNoise
+        What the odometry's errors were drawn with. A scale that changes from leg to leg
+        is told as one that wanders as far.
     n_particles : int
 
     Examples
@@ -36,18 +40,11 @@ def oracle_settings(noise: VioNoise, n_particles: int = ORACLE_PARTICLES) -> Set
     0.01
     """
     best = Settings()
-    step_m = best.motion.step_m
-    white_m = noise.white_m_per_sqrt_m * step_m**0.5
-    motion = replace(
-        best.motion,
-        length_m=white_m,
-        direction_rad=white_m / step_m,  # as much across as along
-        drift_rad=0.0,
-        drift_rad_per_sqrt_s=noise.heading_rad_per_sqrt_s,
-        jitter_m=0.0,
-        scaling="distance",
-        scale_sd=noise.scale_sd,
-    )
+    motion, inertial = best.motion, best.inertial
+    if isinstance(noise, VioNoise):
+        motion = _visual(motion, noise)
+    else:
+        inertial = _inertial(inertial, noise)
     more = n_particles / best.start.n_particles
     start = replace(best.start, n_particles=n_particles)
     observation = replace(best.observation, n_proposals=round(more * best.observation.n_proposals))
@@ -57,12 +54,41 @@ def oracle_settings(noise: VioNoise, n_particles: int = ORACLE_PARTICLES) -> Set
         per_bin=more * best.resampling.per_bin,
     )
     return replace(
-        best, method=ORACLE, motion=motion, start=start, observation=observation,
+        best, method=ORACLE, motion=motion, inertial=inertial, start=start, observation=observation,
         resampling=resampling,
     )  # fmt: skip
 
 
-def shared_settings(n_particles: int = ORACLE_PARTICLES) -> dict[str, Any]:
+def _visual(motion: MotionSettings, noise: VioNoise) -> MotionSettings:
+    white_m = noise.white_m_per_sqrt_m * motion.step_m**0.5
+    return replace(
+        motion,
+        length_m=white_m,
+        direction_rad=white_m / motion.step_m,  # as much across as along
+        drift_rad=0.0,
+        drift_rad_per_sqrt_s=noise.heading_rad_per_sqrt_s,
+        jitter_m=0.0,
+        scaling="distance",
+        scale_sd=noise.scale_sd,
+    )
+
+
+def _inertial(motion: MotionSettings, noise: InertialNoise) -> MotionSettings:
+    return replace(
+        motion,
+        length_m=0.0,
+        direction_rad=noise.sideways_m_per_sqrt_m / math.sqrt(motion.step_m),
+        drift_rad=0.0,
+        drift_rad_per_sqrt_s=0.0,
+        drift_rate_rad_per_s=noise.rate_sd_rad_per_s,
+        jitter_m=0.0,
+        scaling="distance",
+        scale_sd=min(math.hypot(noise.scale_sd, noise.leg_scale_sd), 0.3),
+        scale_per_sqrt_m=noise.leg_scale_sd * math.sqrt(2 / noise.leg_m),
+    )
+
+
+def shared_settings(n_particles: int = ORACLE_PARTICLES, source: str = "arkit") -> dict[str, Any]:
     """Return the oracle's settings as JSON; those that a case decides say so.
 
     Examples
@@ -71,10 +97,10 @@ def shared_settings(n_particles: int = ORACLE_PARTICLES) -> dict[str, Any]:
     >>> found["motion"]["scale_sd"], found["start"]["n_particles"]
     ('of the case', 120000)
     """
-    some, others = (
-        asdict(oracle_settings(noise, n_particles))
-        for noise in (VioNoise(), VioNoise(0.01, 0.01, 0.01))
-    )
+    noises: tuple[VioNoise | InertialNoise, ...] = (VioNoise(), VioNoise(0.01, 0.01, 0.01))
+    if source == "ronin":
+        noises = (InertialNoise(), InertialNoise(0.01, 0.01, 1.0, 0.01, 0.01, 1.0))
+    some, others = (asdict(oracle_settings(noise, n_particles)) for noise in noises)
     return _common(some, others)
 
 

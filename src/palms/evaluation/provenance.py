@@ -14,7 +14,12 @@ import palms
 __all__ = ["machine", "source_digest", "versions"]
 
 _APART = ("cli", "plot", "sample", "server")  # what changes no number
-_JUDGING = ("experiment.py", "metrics.py", "oracle.py")  # what does, of palms.evaluation
+_JUDGING = (
+    "experiment.py",
+    "metrics.py",
+    "oracle.py",
+    "subject.py",
+)  # what does, of palms.evaluation
 
 
 def versions() -> dict[str, str]:

@@ -237,7 +237,7 @@ def _worst(findings: Findings) -> Iterator[str]:
 def _worst_case(experiment: Experiment, case: Case, record: Mapping[str, Any]) -> str:
     subject = experiment.subject(case)
     track = rerun(experiment, subject, record)
-    figure = case_figure(subject.plan, track, subject.reference_m)
+    figure = case_figure(subject.shown, subject.laid_out(track), subject.reference_m)
     words = f"Plan of {case.scene} with the true path and the answers. {_told(record)}"
     command = escape(rerun_command(experiment, case, record))
     return (

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Mapping
-from dataclasses import replace
 from itertools import pairwise
 from typing import Any, Final
 
@@ -19,8 +18,9 @@ from palms.evaluation.oracle import ORACLE
 from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
 from palms.io import Case
-from palms.localizer import Track, track_trials
+from palms.localizer import Track
 from palms.plot.plans import draw_plan, figure_size
+from palms.plot.story import broken
 from palms.plot.style import (
     ANSWER,
     INK,
@@ -31,6 +31,7 @@ from palms.plot.style import (
     new_figure,
     styled,
 )
+from palms.settings import Settings
 
 __all__ = ["case_figure", "rerun", "rerun_command"]
 
@@ -41,8 +42,8 @@ _WIDTHS: Final = {Stage.SEARCHING: 1.1, Stage.ORIENTED: 1.2, Stage.LOCALIZED: 2.
 def rerun_command(experiment: Experiment, case: Case, record: Mapping[str, Any]) -> str:
     """Return the command line that runs one trial once more.
 
-    The oracle is told the noise of a case, which `palms track` does not read: its walk is run
-    by `palms bench`, up to this trial.
+    The oracle is told the noise of a case, which `palms track` does not read, and our methods
+    what happens on the way: their walks are run by `palms bench`, up to this trial.
 
     Examples
     --------
@@ -55,7 +56,8 @@ def rerun_command(experiment: Experiment, case: Case, record: Mapping[str, Any])
     'palms bench d --methods oracle --only E2/w1 --trials 1 --seed 0 --out rerun'
     """
     method = record["method"]
-    if method == ORACLE:
+    more = _tells_more(case) and Settings.for_method(method).is_ours if method != ORACLE else True
+    if more:
         words = ["palms", "bench", str(experiment.dataset), "--methods", method, "--only"]
         words += [case.title, "--trials", str(record["trial"] + 1), "--seed", str(experiment.seed)]
     else:
@@ -65,7 +67,12 @@ def rerun_command(experiment: Experiment, case: Case, record: Mapping[str, Any])
         words += ["--particles", str(experiment.particles)]
     if experiment.walk_source != "arkit":
         words += ["--walk-source", experiment.walk_source]
-    return shlex.join(words + (["--out", "rerun"] if method == ORACLE else []))
+    return shlex.join(words + (["--out", "rerun"] if more else []))
+
+
+def _tells_more(case: Case) -> bool:
+    """Whether our methods are told what `palms track` does not read: further scans, events."""
+    return bool(len(case.scan_paths) > 1 or case.above_paths or case.events_path.is_file())
 
 
 def rerun(experiment: Experiment, subject: Subject, record: Mapping[str, Any]) -> Track:
@@ -80,10 +87,7 @@ def rerun(experiment: Experiment, subject: Subject, record: Mapping[str, Any]) -
     227
     """
     settings = experiment.settings(record["method"], subject.noise)
-    settings = replace(settings, answer=replace(settings.answer, hypotheses=0))
-    seeds = [record["seed"]]
-    tracks = track_trials(subject.plan, subject.scan, subject.odometry, settings, seeds)
-    return next(iter(tracks))
+    return next(subject.tracks(settings, [record["seed"]]))
 
 
 @styled
@@ -113,7 +117,7 @@ def case_figure(plan: FloorPlan, track: Track, truth_m: FloatArray) -> Figure:
     axes = figure.add_subplot()
     frame_map(axes, *plan.bounds_m)
     draw_plan(axes, plan, 0.5, colour="#9a9a9a")
-    axes.plot(truth_m[:, 0], truth_m[:, 1], color=TRUTH, linewidth=3.6, alpha=0.75, zorder=3)
+    axes.plot(*broken(truth_m).T, color=TRUTH, linewidth=3.6, alpha=0.75, zorder=3)
     entries = [legend_line(TRUTH, 3.6, "true path")]
     stages = _draw_answers(axes, track)
     entries += [legend_line(ANSWER, _WIDTHS[s], f"answer, {s}", STAGE_LINES[s]) for s in stages]

@@ -2,7 +2,8 @@
 
 ::
 
-    maps/<scene>.csv
+    maps/<scene>.csv, <scene>-level-<name>.csv
+    trajectories/<scene>/<walk>/events.json
     trajectories/<scene>/<walk>/<walk>.json, truth.csv
     trajectories/<scene>/<walk>/Session_<id>/detectedPlanes.json, label.txt, scan.json
     trajectories/<scene>/<walk>/Session_<id>/depths, poses, intrinsics
@@ -16,19 +17,27 @@ from __future__ import annotations
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from palms.errors import InputError, PalmsWarning
 from palms.floorplan import FloorPlan
 from palms.io.depth_folder import FORMAT as DEPTH
 from palms.io.depth_folder import read_depth_folder
+from palms.io.events import EVENTS_FILE, Event, read_events
+from palms.io.happenings import happenings_of
 from palms.io.label import Label, read_label
+from palms.io.levels import with_level_name
 from palms.io.plan_csv import plan_name, read_plan_csv
 from palms.io.planes import PLANES_FILE, read_scan_json, scan_time_s
 from palms.io.tracking import read_tracking, walk_file
-from palms.io.values import StrPath
+from palms.io.values import StrPath, locating, parse_number
 from palms.io.walk import RecordedWalk
 from palms.odometry import Odometry
 from palms.scan import Scan
+
+if TYPE_CHECKING:
+    from palms.building import Building
+    from palms.localizer import Happening
 
 __all__ = ["Case", "Dataset", "check_same_session", "open_dataset"]
 
@@ -49,6 +58,8 @@ class Case:
         The walk's JSON file.
     scan_paths : tuple of Path
         Folders of its scans, in order of time.
+    above_paths : tuple of Path
+        Plans of the building's other levels, from the next one up.
 
     Examples
     --------
@@ -62,6 +73,7 @@ class Case:
     name: str
     walk_path: Path
     scan_paths: tuple[Path, ...]
+    above_paths: tuple[Path, ...] = ()
 
     @property
     def title(self) -> str:
@@ -73,9 +85,40 @@ class Case:
         """The walk's folder."""
         return self.walk_path.parent
 
+    @property
+    def events_path(self) -> Path:
+        """Where events stand, if there are any."""
+        return self.folder / EVENTS_FILE
+
     def plan(self) -> FloorPlan:
-        """Read the floor plan."""
+        """Read the floor plan; the lowest where there are several."""
         return read_plan_csv(self.plan_path)
+
+    def building(self) -> Building:
+        """Read the plans of all levels."""
+        from palms.building import Building
+
+        if not self.above_paths:
+            return Building((self.plan(),))
+        paths = (self.plan_path, *self.above_paths)
+        with locating(self.plan_path):
+            return Building(tuple(with_level_name(read_plan_csv(path), path) for path in paths))
+
+    def events(self) -> tuple[Event, ...]:
+        """Read what happens during the walk; nothing where no file says so."""
+        return read_events(self.events_path) if self.events_path.is_file() else ()
+
+    def happenings(self, odometry: Odometry, building: Building) -> tuple[Happening, ...]:
+        """Read what a method is told during the walk: scans and hints with their times.
+
+        Parameters
+        ----------
+        odometry : Odometry
+            Of this walk.
+        building : Building
+            That of this case.
+        """
+        return happenings_of(self.scans(), self.events(), odometry, building)
 
     def walk(self) -> RecordedWalk:
         """Read the walk."""
@@ -171,7 +214,8 @@ def open_dataset(path: StrPath) -> Dataset:
     cases: list[Case] = []
     for scene in _visible(root / "trajectories"):
         if scene.is_dir() and any(folder.is_dir() for folder in _visible(scene)):
-            cases += _cases_of(scene, _plan_of(scene.name, plans, root))
+            plan = _plan_of(scene.name, plans, root)
+            cases += _cases_of(scene, plan, _above(plan, plans, root))
     if not cases:
         raise InputError(
             str(root / "trajectories"), expected="<scene>/<walk>/<walk>.json", got="no walk",
@@ -204,19 +248,33 @@ def _plan_of(scene: str, plans: dict[str, Path], root: Path) -> Path:
     )
 
 
-def _cases_of(scene: Path, plan: Path) -> list[Case]:
+def _above(plan: Path, plans: dict[str, Path], root: Path) -> tuple[Path, ...]:
+    """Return the plans of a scene's other levels, by their numbers, else by their names."""
+    start = f"{plan.stem}-level-"
+    levels = {
+        name.removeprefix(start): path
+        for name, path in plans.items()
+        if name.startswith(start) and not (root / "trajectories" / name).is_dir()
+    }
+    numbers = {name: parse_number(name) for name in levels}
+    numbered = all(number is not None for number in numbers.values())
+    ordered = sorted(levels, key=lambda name: (numbers[name] or 0.0 if numbered else 0.0, name))
+    return tuple(levels[name] for name in ordered)
+
+
+def _cases_of(scene: Path, plan: Path, above: tuple[Path, ...]) -> list[Case]:
     cases = []
     for folder in _visible(scene):
         if not folder.is_dir():
             continue
         scans = _scans_of(folder)
-        if not any(f.suffix == ".json" and f.name != "events.json" for f in _visible(folder)):
+        if not any(f.suffix == ".json" and f.name != EVENTS_FILE for f in _visible(folder)):
             if scans:
                 warnings.warn(
                     f"{folder}: scans without a walk; left out", PalmsWarning, stacklevel=3
                 )
             continue
-        cases.append(Case(scene.name, plan, folder.name, walk_file(folder), scans))
+        cases.append(Case(scene.name, plan, folder.name, walk_file(folder), scans, above))
     return cases
 
 

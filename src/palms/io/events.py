@@ -3,7 +3,8 @@
 A list of objects with ``t_s`` and ``kind``: ``scan`` (a further scan, in the folder that
 ``session`` names), ``jump`` (of the odometry, without notice: for the judge alone),
 ``level`` (the phone notices that it is on another floor) and ``hint`` (somebody says a
-``room``, or a ``position_m`` with ``radius_m``, rightly or not).
+``room``, or a ``position_m`` with ``radius_m``, rightly or not; ``probability`` says how
+often such are true).
 """
 
 from __future__ import annotations
@@ -50,6 +51,8 @@ class Event:
         hint: and how far around it.
     is_right : bool, optional
         hint: whether it is true; for the judge alone.
+    probability : float, optional
+        level, hint: how often such are true, as far as the method knows.
 
     Raises
     ------
@@ -72,6 +75,7 @@ class Event:
     position_m: tuple[float, float] | None = None
     radius_m: float | None = None
     is_right: bool | None = None
+    probability: float | None = None
 
     def __post_init__(self) -> None:
         if self.kind not in get_args(EventKind):
@@ -129,7 +133,7 @@ def _event(item: dict[str, Any], what: str) -> Event:
     for key in ("session", "level", "room"):
         if item.get(key) is not None:
             found[key] = str(item[key])
-    for key in ("turn_rad", "radius_m"):
+    for key in ("turn_rad", "radius_m", "probability"):
         if item.get(key) is not None:
             found[key] = check_number(item[key], f"{what}, {key}")
     for key in ("shift_m", "position_m"):
@@ -162,7 +166,7 @@ def write_events(events: Sequence[Event], path: StrPath) -> None:
 
 
 def _content(event: Event) -> dict[str, Any]:
-    names = ("session", "level", "room", "turn_rad", "radius_m")
+    names = ("session", "level", "room", "turn_rad", "radius_m", "probability")
     values: dict[str, Any] = {name: getattr(event, name) for name in names}
     for name in ("shift_m", "position_m"):
         pair = getattr(event, name)

@@ -17,9 +17,9 @@ from palms.io.plan_parts import PlanParts, middle_line, segments_along
 from palms.io.plan_words import Role, role_of
 from palms.io.values import brief, locating
 
-__all__ = ["Sorter", "ToMap", "class_key", "levels_of"]
+__all__ = ["CLASS_KEYS", "Sorter", "ToMap", "class_key", "levels_of"]
 
-_CLASS_KEYS = ("class", "type", "kind", "category", "indoor", "feature_type", "layer")
+CLASS_KEYS = ("class", "type", "kind", "category", "indoor", "feature_type", "layer")
 _REACH_M = 0.3  # ours: a door's line may lie that far from the wall's
 
 ToMap = Callable[[FloatArray], FloatArray]
@@ -29,7 +29,7 @@ def class_key(features: Sequence[Feature]) -> str | None:
     """Return the property that names classes: the one most of whose words are known."""
     known = {
         key: sum(role_of(_text(f.properties.get(key))) is not None for f in features)
-        for key in _CLASS_KEYS
+        for key in CLASS_KEYS
     }
     best = max(known, key=lambda key: known[key])
     return best if known[best] else None

@@ -7,11 +7,11 @@ areas are rooms and only rooms; where it names none, the edges of areas are the 
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -21,17 +21,21 @@ from palms.geodesy import Origin
 from palms.geometry import FloatArray
 from palms.io.files import head, sniff, write_json
 from palms.io.geojson import Feature, load_json, parse_features
-from palms.io.levels import LevelPlan, gather_levels
-from palms.io.plan_features import Sorter, ToMap, class_key, levels_of
+from palms.io.levels import LevelPlan, gather_levels, is_stairs_word
+from palms.io.plan_features import CLASS_KEYS, Sorter, ToMap, class_key, levels_of
 from palms.io.plan_parts import check_scale
 from palms.io.plan_words import Role, parse_classes
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief, parse_number
 
+if TYPE_CHECKING:
+    from palms.building import Stairs
+
 __all__ = ["FORMAT", "read_levels_geojson", "read_plan_geojson", "write_plan_geojson"]
 
 _EXPECTED = "a GeoJSON FeatureCollection of walls, doors and rooms"
 _NAME_KEYS = ("name", "ref", "roomnumber", "room", "label")
+_STAIRS_KEYS = ("room", "highway")  # where OpenStreetMap's indoor tags have stairs and lifts
 _MOST_LEVELS = 1000  # ours: higher numbers are none of a level
 _LONLAT_SPAN = 0.5  # ours: no building is half a degree wide, and none half a metre
 _FRAME = Literal["auto", "lonlat", "metres"]
@@ -124,7 +128,7 @@ def read_levels_geojson(  # noqa: PLR0913
     drawing = _Drawing.of(path, options)
     names = drawing.levels or (None,)
     return gather_levels(
-        (name or drawing.own_level or "", ordinal, functools.partial(drawing.plan, name))
+        (name or drawing.own_level or "", ordinal, functools.partial(drawing.with_stairs, name))
         for name, ordinal in zip(names, _ordinals(names), strict=True)
     )
 
@@ -200,6 +204,26 @@ class _Drawing:
 
         named = self.document.get("name") if isinstance(self.document, dict) else None
         return named if isinstance(named, str) and named else plan_name(_without_gz(self.path))
+
+    def with_stairs(self, level: str | None) -> tuple[FloorPlan, tuple[Stairs, ...]]:
+        """Return the plan of a level, and the areas of it that are stairs or lifts."""
+        return self.plan(level), tuple(self._stairs(level))
+
+    def _stairs(self, level: str | None) -> Iterator[Stairs]:
+        from palms.building import Stairs
+
+        for each in self.features:
+            words = [each.properties.get(key) for key in self._stairs_keys]
+            word = next((str(word) for word in words if is_stairs_word(word)), None)
+            if word and level in (levels_of(each) or (level,)):
+                for ring in (ring for ring in each.rings if len(ring) > 3):
+                    name = each.properties.get(self.options.name_property or "name") or word
+                    yield Stairs(str(name), self.to_map(ring)[:-1])
+
+    @property
+    def _stairs_keys(self) -> tuple[str, ...]:
+        own = self.options.class_property
+        return (*CLASS_KEYS, *_STAIRS_KEYS, *(() if own is None else (own,)))
 
     def plan(self, level: str | None) -> FloorPlan:
         """Return the plan of a level; features without a level are on all of them."""

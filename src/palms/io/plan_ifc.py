@@ -99,9 +99,16 @@ def read_levels_ifc(
         When it cannot be read, or has no storey with walls.
     """
     return gather_levels(
-        (each.name, float(each.number), functools.partial(_plan, each, path, frame, scale))
+        (each.name, float(each.number), functools.partial(_alone, each, path, frame, scale))
         for each in _storeys(path, None, (height, scale), every=True)
     )
+
+
+def _alone(
+    storey: Storey, path: StrPath, frame: _FRAME, scale: float
+) -> tuple[FloorPlan, tuple[()]]:
+    """Return the plan of a storey; its stairs are those of its rooms that are called so."""
+    return _plan(storey, path, frame, scale), ()
 
 
 def _storeys(

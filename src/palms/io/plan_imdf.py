@@ -7,9 +7,9 @@ and without what openings stand in. A unit of a wall's material is a solid, and 
 from __future__ import annotations
 
 import functools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,11 +17,14 @@ from palms.floorplan import FloorPlan, Room, SegmentClass
 from palms.geodesy import Origin
 from palms.geometry import FloatArray
 from palms.io.imdf import Item, Venue, is_imdf, ordinal, text_in
-from palms.io.levels import LevelPlan, gather_levels
+from palms.io.levels import LevelPlan, gather_levels, is_stairs_word
 from palms.io.plan_parts import PlanParts, segments_along
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief, locating
 from palms.repair import merge
+
+if TYPE_CHECKING:
+    from palms.building import Stairs
 
 __all__ = ["FORMAT", "read_levels_imdf", "read_plan_imdf"]
 
@@ -101,9 +104,25 @@ def read_levels_imdf(
     """
     venue = Venue.of(path, language, origin)
     return gather_levels(
-        (venue.title(each), ordinal(each), functools.partial(_plan, venue, each, fixtures))
+        (venue.title(each), ordinal(each), functools.partial(_level, venue, each, fixtures))
         for each in venue.levels(None, building)
     )
+
+
+def _level(venue: Venue, level: Item, fixtures: bool) -> tuple[FloorPlan, tuple[Stairs, ...]]:
+    units = [each for each in venue.items["unit"] if each.get("level_id") == level.id]
+    return _plan(venue, level, fixtures), tuple(_stairs(units, venue))
+
+
+def _stairs(units: Sequence[Item], venue: Venue) -> Iterator[Stairs]:
+    """Units of such a category, whatever they are called."""
+    from palms.building import Stairs
+
+    for unit in units:
+        rings = unit.feature.rings
+        if is_stairs_word(unit.get("category")) and rings and len(rings[0]) > 3:
+            name = text_in(unit.get("name"), venue.language) or str(unit.get("category"))
+            yield Stairs(name, venue.origin.to_local(rings[0])[:-1])
 
 
 def _plan(venue: Venue, level: Item, fixtures: bool) -> FloorPlan:

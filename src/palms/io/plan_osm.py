@@ -120,7 +120,7 @@ def read_levels_osm(
     mapped = _Mapped.of(path, building, origin, _Options(language, shell, door_width))
     return gather_levels(
         (_label(mapped.shapes, level, language) or "", level or 0.0,
-         functools.partial(mapped.plan, level))
+         functools.partial(mapped.alone, level))
         for level in (_levels(mapped.shapes) or (None,))
     )  # fmt: skip
 
@@ -168,6 +168,10 @@ class _Mapped(NamedTuple):
                 fix="choose with the option building=NAME or id",
             )  # fmt: skip
         return cls(path, file, shapes, place, options)
+
+    def alone(self, level: float | None) -> tuple[FloorPlan, tuple[()]]:
+        """Return the plan of a level; its stairs are those of its rooms that are called so."""
+        return self.plan(level), ()
 
     def plan(self, level: float | None) -> FloorPlan:
         """Return the plan of a level."""

@@ -13,6 +13,7 @@ from palms.io.registry import FLOORPLANS, ODOMETRY, SCANS, WHAT, choose_format, 
 from palms.io.values import StrPath
 
 if TYPE_CHECKING:
+    from palms.building import Building
     from palms.floorplan import FloorPlan
     from palms.io.levels import LevelPlan
     from palms.io.walk import RecordedWalk
@@ -23,6 +24,7 @@ __all__ = [
     "read_any",
     "read_building",
     "read_floorplan",
+    "read_levels",
     "read_scan",
     "read_walk",
     "write_floorplan",
@@ -119,13 +121,47 @@ def read_floorplan(path: StrPath, *, format: str | None = None, **options: Any) 
     return plan
 
 
-def read_building(
+def read_building(path: StrPath, *, format: str | None = None, **options: Any) -> Building:  # noqa: ANN401
+    r"""Read a building: all levels of a file in one frame, and the stairs between them.
+
+    Stairs are areas that the file has as stairs, lifts or escalators, or whose names say so,
+    and that another level has at the same place.
+
+    Parameters
+    ----------
+    path, format, **options
+        As `read_levels`.
+
+    Raises
+    ------
+    InputError
+        As `read_levels`; also when two levels have one name.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from palms.io.files import write_json
+    >>> def wall(y, level):
+    ...     line = {"type": "LineString", "coordinates": [[0, y], [8, y]]}
+    ...     return {"type": "Feature", "geometry": line, "properties": {"level": level}}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     features = [wall(0, 1), wall(5, 0)]
+    ...     write_json(f"{folder}/a.geojson", {"type": "FeatureCollection", "features": features})
+    ...     read_building(f"{folder}/a.geojson").names
+    ('0', '1')
+    """
+    from palms.io.levels import building_of
+
+    return building_of(read_levels(path, format=format, **options), str(path))
+
+
+def read_levels(
     path: StrPath,
     *,
     format: str | None = None,
     **options: Any,  # noqa: ANN401
 ) -> tuple[LevelPlan, ...]:
-    r"""Read all levels of a building, in one frame; any format's plan is one of one level.
+    r"""Read all levels of a file, in one frame; any format's plan is one of one level.
 
     Parameters
     ----------
@@ -156,18 +192,18 @@ def read_building(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     features = [wall(0, 1), wall(5, 0)]
     ...     write_json(f"{folder}/a.geojson", {"type": "FeatureCollection", "features": features})
-    ...     levels = read_building(f"{folder}/a.geojson")
+    ...     levels = read_levels(f"{folder}/a.geojson")
     >>> [(level.name, level.ordinal, level.plan.segments_m[0].tolist()) for level in levels]
     [('0', 0.0, [[0.0, 5.0], [8.0, 5.0]]), ('1', 1.0, [[0.0, 0.0], [8.0, 0.0]])]
     """
     from palms.io.levels import LevelPlan
 
     reader = choose_format(FLOORPLANS, path, format)
-    read_levels = getattr(reader, "read_levels", None)
-    if read_levels is None:
+    read_all = getattr(reader, "read_levels", None)
+    if read_all is None:
         plan: FloorPlan = _read(reader, FLOORPLANS, path, options)
         return (LevelPlan(plan.level or "", 0.0, plan),)
-    levels: tuple[LevelPlan, ...] = _read(reader, FLOORPLANS, path, options, read_levels)
+    levels: tuple[LevelPlan, ...] = _read(reader, FLOORPLANS, path, options, read_all)
     return levels
 
 

@@ -14,6 +14,7 @@ from importlib.metadata import version
 from typing import Any
 
 from palms.belief import Estimate
+from palms.building import Building
 from palms.floorplan import FloorPlan
 from palms.geodesy import Origin
 from palms.geometry import wrap_angle
@@ -93,16 +94,16 @@ def write_tracks(
 
 
 def locate_document(
-    places: Sequence[Place], plan: FloorPlan, scan: str, settings: Settings
+    places: Sequence[Place], plan: FloorPlan | Building, scan: str, settings: Settings
 ) -> dict[str, Any]:
     """Return candidate places as a ``palms-locate/1`` document.
 
     Parameters
     ----------
     places : sequence of Place
-        As many as wanted, most probable first.
-    plan : FloorPlan
-        It names level and rooms.
+        As many as wanted, most probable first, in map metres.
+    plan : FloorPlan or Building
+        It names level and rooms; places of a building say their level.
     scan : str
         What to call the scan.
     settings : Settings
@@ -114,25 +115,31 @@ def locate_document(
     >>> document["candidates"][0]["p"], document["candidates"][0]["room"]
     (0.5, None)
     """
+    building = Building((plan,)) if isinstance(plan, FloorPlan) else plan
+    lowest = building.levels[0]
     return {
         "schema": LOCATE_SCHEMA,
-        "plan": plan.name,
+        "plan": lowest.name,
         "scan": scan,
         "method": settings.method,
         "candidates": [
-            {
-                "x_m": place.x_m,
-                "y_m": place.y_m,
-                "drift_rad": _angle(place.drift_rad),
-                "p": _probability(place.p),
-                "level": plan.level,
-                "room": plan.room_at((place.x_m, place.y_m)),
-                **_on_earth(place, plan),
-            }
-            for place in places
+            _candidate(each, lowest if each.level is None else building.level(each.level))
+            for each in places
         ],
         "settings": settings_document(settings),
         "versions": versions(),
+    }
+
+
+def _candidate(place: Place, plan: FloorPlan) -> dict[str, Any]:
+    return {
+        "x_m": place.x_m,
+        "y_m": place.y_m,
+        "drift_rad": _angle(place.drift_rad),
+        "p": _probability(place.p),
+        "level": plan.level,
+        "room": plan.room_at((place.x_m, place.y_m)),
+        **_on_earth(place, plan),
     }
 
 
@@ -236,6 +243,17 @@ def _steps(estimates: Sequence[Estimate]) -> dict[str, list[Any]]:
         "p_within_2m": [_probability(e.p_within_2m) for e in known],
         "radius_68_m": [_number(e.radius_68_m) for e in known],
         "radius_95_m": [_number(e.radius_95_m) for e in known],
+        **_levels(known),
+    }
+
+
+def _levels(estimates: Sequence[Estimate]) -> dict[str, list[Any]]:
+    """Levels and their probabilities, in a building of several; else nothing."""
+    if all(estimate.level is None for estimate in estimates):
+        return {}
+    return {
+        "level": [e.level for e in estimates],
+        "p_level": [0.0 if e.level is None else _probability(e.p_level) for e in estimates],
     }
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from palms.geometry import FloatArray
 from palms.heatmap import Heatmaps
 from palms.io.files import write_bytes
-from palms.places import Place, find_places
+from palms.places import Place, find_places, place_on_level
 from palms.plot.animation import animation_bytes
 from palms.plot.candidates import candidates_figure
 from palms.plot.empty_space import (
@@ -151,6 +151,8 @@ def _pictures_of_scan(story: Story) -> Iterator[Picture]:
     places = find_places(candidates)[:_PLACES]
     spot = None if here is None else here.tolist()
     figure = candidates_figure(story.plan, places, story.scan, spot)
+    if story.atlas is not None:
+        places = tuple(place_on_level(place, story.atlas) for place in places)
     yield Picture("candidates.png", "Where the scan alone may have been taken",
                   image_bytes(figure, dpi=_DPI), _of_candidates(places))  # fmt: skip
 
@@ -226,17 +228,23 @@ def _of_empty_space(heatmaps: Heatmaps, here: FloatArray | None) -> str:
 
 def _of_candidates(places: tuple[Place, ...]) -> str:
     told = [
-        f"{rank}: x {place.x_m:.1f} m, y {place.y_m:.1f} m, drift {degrees(place.drift_rad)}, "
-        f"{100 * place.p:.1f} %"
+        f"{rank}: {_level(place)}x {place.x_m:.1f} m, y {place.y_m:.1f} m, "
+        f"drift {degrees(place.drift_rad)}, {100 * place.p:.1f} %"
         for rank, place in enumerate(places, start=1)
     ]
     return "Most probable places of the scan, numbered on the plan. " + "; ".join(told) + "."
+
+
+def _level(place: Place) -> str:
+    return "" if place.level is None else f"level {place.level}, "
 
 
 def _of_plan(story: Story) -> str:
     plan = story.plan
     width, height = plan.size_m
     rooms = f" and {len(plan.rooms)} named rooms" if plan.rooms else ""
+    if story.atlas is not None:
+        return f"Floor plans of {plan.name}, levels {', '.join(story.atlas.names)}{rooms}."
     return (
         f"Floor plan {plan.name}, {width:.0f} by {height:.0f} m, with {len(plan.segments_m)} "
         f"segments{rooms}."

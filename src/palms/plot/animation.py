@@ -21,7 +21,7 @@ from palms.io.files import write_bytes
 from palms.plot.plans import draw_plan, figure_size
 from palms.plot.recorder import Snapshot
 from palms.plot.stages import moment_words
-from palms.plot.story import Story
+from palms.plot.story import Story, broken
 from palms.plot.style import (
     EMPTY,
     TRUTH,
@@ -142,7 +142,7 @@ class _Stagehands:
             line.set_data(mine[:, 0], mine[:, 1])
         if story.truth_m is not None:
             so_far = story.truth_m[: story.step_at(snapshot.time_s) + 1]
-            self.path.set_data(so_far[:, 0], so_far[:, 1])
+            self.path.set_data(*broken(so_far).T)
             self.truth.set_data(so_far[-1:, 0], so_far[-1:, 1])
         estimate = snapshot.estimate
         place = np.full(2, np.nan) if estimate.position_m is None else estimate.position_m

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import Normal, Stroke
 
+from palms.building import Sheets
 from palms.floorplan import FloorPlan, Room, SegmentClass
 from palms.geometry import FloatArray, rotate
 from palms.plot.style import INK, MUTED, SCAN, WALL, Dashes, frame_map, new_figure, styled
@@ -20,6 +21,7 @@ from palms.plot.style import INK, MUTED, SCAN, WALL, Dashes, frame_map, new_figu
 __all__ = ["draw_plan", "figure_size", "plan_figure", "plan_legend"]
 
 _NAME_PT: Final = (7.5, 6.5, 5.5, 4.5)  # sizes of a room's name, to be tried in this order
+_LARGE: Final = 0.6  # strokes this wide are of maps with room for words
 _CHARACTER: Final = 0.62  # width of a character over its size
 
 
@@ -39,7 +41,7 @@ _STROKES: Final = {
 
 
 def draw_plan(axes: Axes, plan: FloorPlan, width: float = 1.0, colour: str | None = None) -> None:
-    """Draw the segments of a plan, each class with its own stroke.
+    """Draw the segments of a plan, each class with its own stroke; and names of several levels.
 
     Parameters
     ----------
@@ -68,6 +70,13 @@ def draw_plan(axes: Axes, plan: FloorPlan, width: float = 1.0, colour: str | Non
                 list(segments), colors="white", linewidths=width * 1.1, capstyle="butt", zorder=2
             )
             axes.add_collection(inner, autolim=False)
+    if isinstance(plan, Sheets):
+        for name, corner in plan.corners_m:
+            axes.annotate(
+                f"level {name}", corner, xytext=(0, 2), textcoords="offset points",
+                fontsize=9 if width >= _LARGE else 6, fontweight="bold", color=colour or INK,
+                zorder=4, gid="level",
+            )  # fmt: skip
 
 
 def plan_legend(plan: FloorPlan) -> list[Line2D]:
@@ -147,6 +156,8 @@ def plan_figure(plan: FloorPlan, title: str | None = None) -> Figure:
 
 
 def _title(plan: FloorPlan) -> str:
+    if isinstance(plan, Sheets):
+        return f"{plan.name}, levels {', '.join(name for name, _ in plan.corners_m)}"
     width, height = plan.size_m
     level = f", level {plan.level}" if plan.level else ""
     return f"{plan.name}{level}, {width:.0f} × {height:.0f} m"

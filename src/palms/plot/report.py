@@ -182,8 +182,11 @@ def _verdict(story: Story) -> str:
 def _facts(story: Story) -> dict[str, str]:
     plan, odometry = story.plan, story.odometry
     width, height = plan.size_m
+    size = f"{width:.0f} × {height:.0f} m"
+    if story.atlas is not None:
+        size = f"levels {', '.join(story.atlas.names)}"
     facts = {
-        "Floor plan": f"{plan.name}, {width:.0f} × {height:.0f} m, {len(plan.segments_m)} segments",
+        "Floor plan": f"{plan.name}, {size}, {len(plan.segments_m)} segments",
         "Walk": f"{odometry.walked_m[-1]:.1f} m in {odometry.time_s[-1] - odometry.time_s[0]:.1f} "
         f"s, {len(odometry)} steps, {_SOURCES[odometry.source]} odometry",
         "Scan": "none" if story.scan is None else f"{len(story.scan.walls_m)} walls",
@@ -191,11 +194,11 @@ def _facts(story: Story) -> dict[str, str]:
     }
     if story.error_m is not None:
         localized = np.array([estimate.is_localized for estimate in story.track])
-        error = story.error_m[localized & np.isfinite(story.error_m)]
+        error = story.error_m[localized & ~np.isnan(story.error_m)]
         if len(error):
             facts["While localized"] = (
-                f"median error {np.median(error):.2f} m, largest {error.max():.2f} m, within 1 m "
-                f"{100 * (error < 1.0).mean():.0f} % of the steps"
+                f"median error {_metres(np.median(error))}, largest {_metres(error.max())}, "
+                f"within 1 m {100 * (error < 1.0).mean():.0f} % of the steps"
             )
     return facts
 
@@ -248,7 +251,7 @@ def _told(story: Story, estimate: Estimate) -> list[str]:
     return [
         f"{estimate.time_s:.1f} s",
         f"{story.odometry.walked_m[step]:.1f} m",
-        f"{error:.2f} m" if np.isfinite(error) else "–",
+        "–" if np.isnan(error) else _metres(error),
         "–" if estimate.radius_68_m is None else f"{estimate.radius_68_m:.1f} m",
         "–" if estimate.radius_95_m is None else f"{estimate.radius_95_m:.1f} m",
         f"{100 * estimate.p_within_2m:.0f} %",
@@ -256,8 +259,17 @@ def _told(story: Story, estimate: Estimate) -> list[str]:
     ]
 
 
+def _metres(error_m: float) -> str:
+    return f"{error_m:.2f} m" if np.isfinite(error_m) else "another level"
+
+
 def _where(story: Story, x_m: float, y_m: float) -> str:
     room = story.plan.room_at((x_m, y_m))
+    if story.atlas is not None:
+        here = np.array([[x_m, y_m]])
+        level = f"level {story.atlas.names[int(story.atlas.level_of(here)[0])]}"
+        room = f"{level}, {room}" if room else level
+        x_m, y_m = (float(v) for v in story.atlas.folded(here)[0])
     coordinates = f"x {x_m:.1f} m, y {y_m:.1f} m".replace(" ", "\u00a0")
     return f"{room} ({coordinates})" if room else coordinates
 

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from palms.errors import InputError
 from palms.plot.plans import draw_plan
 from palms.plot.recorder import MOMENTS, Snapshot
-from palms.plot.story import Story
+from palms.plot.story import Story, broken
 from palms.plot.style import (
     MUTED,
     TRUTH,
@@ -129,7 +129,7 @@ def draw_moment(axes: Axes, story: Story, snapshot: Snapshot) -> None:
     draw_particles(axes, snapshot.position_m, snapshot.group, 2.4)
     if story.truth_m is not None:
         so_far = story.truth_m[: story.step_at(snapshot.time_s) + 1]
-        axes.plot(so_far[:, 0], so_far[:, 1], color=TRUTH, linewidth=1.6, zorder=7, gid="path")
+        axes.plot(*broken(so_far).T, color=TRUTH, linewidth=1.6, zorder=7, gid="path")
         truth_mark(axes, *so_far[-1])
     if snapshot.estimate.position_m is not None:
         answer_mark(axes, *snapshot.estimate.position_m)
@@ -147,8 +147,15 @@ def moment_words(story: Story, snapshot: Snapshot) -> str:
     position = snapshot.estimate.position_m
     if story.truth_m is None or position is None:
         return words
-    error = float(np.hypot(*(position - story.truth_m[story.step_at(snapshot.time_s)])))
-    return f"{words}, {error:.1f} m off" if np.isfinite(error) else words
+    truth = story.truth_m[story.step_at(snapshot.time_s)]
+    error = float(np.hypot(*(position - truth)))
+    if not np.isfinite(error):
+        return words
+    if story.atlas is not None:
+        answered, true = story.atlas.level_of(np.stack([position, truth]))
+        if answered != true:
+            return f"{words}, on another level"
+    return f"{words}, {error:.1f} m off"
 
 
 def _cell(axes: Axes, story: Story, moment: str) -> None:

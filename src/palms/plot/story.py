@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
+from palms.building import Atlas
 from palms.errors import InputError
 from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray, as_readonly
@@ -21,7 +22,9 @@ from palms.raster import PlanRaster
 from palms.scan import Scan
 from palms.settings import Settings
 
-__all__ = ["Story", "check_truth", "errors_m"]
+__all__ = ["Story", "broken", "check_truth", "errors_m"]
+
+_LEAP_M = 20.0  # ours: nobody walks so far in one step; the sheets of an atlas lie farther apart
 
 
 @dataclass(frozen=True)
@@ -43,6 +46,9 @@ class Story:
     scan_truth_m : array_like (2,), optional
         True place of the scan; the first of `truth_m` when left out.
     settings : Settings
+    atlas : Atlas, optional
+        Of a building of several levels: raster, track, recorder, candidates and truth then
+        lie on it.
 
     Raises
     ------
@@ -70,6 +76,7 @@ class Story:
     truth_m: FloatArray | None = None
     scan_truth_m: FloatArray | None = None
     settings: Settings = field(default_factory=Settings)
+    atlas: Atlas | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "truth_m", check_truth(self.truth_m, len(self.track)))
@@ -108,8 +115,17 @@ class Story:
 
     @cached_property
     def error_m(self) -> FloatArray | None:
-        """Distance (T,) from answer to truth; None without a truth."""
-        return None if self.truth_m is None else errors_m(self.track, self.truth_m)
+        """Distance (T,) from answer to truth, infinite on another level; None without a truth."""
+        if self.truth_m is None:
+            return None
+        error = errors_m(self.track, self.truth_m)
+        if self.atlas is not None:
+            known = ~np.isnan(error)
+            answer, truth = self.track.position_m[known], self.truth_m[known]
+            error[known] += np.where(
+                self.atlas.level_of(answer) == self.atlas.level_of(truth), 0.0, np.inf
+            )
+        return error
 
     @property
     def t1_is_t2(self) -> bool:
@@ -160,3 +176,15 @@ def check_truth(truth_m: npt.ArrayLike | None, n: int) -> FloatArray | None:
 def errors_m(track: Track, truth_m: FloatArray) -> FloatArray:
     """Distance (T,) in metres from each answer to the truth; NaN where either is missing."""
     return np.asarray(np.linalg.norm(track.position_m - truth_m, axis=1))
+
+
+def broken(path_m: FloatArray) -> FloatArray:
+    """Return a path (N, 2) with a gap (NaN) where it goes on in another place: another level.
+
+    Examples
+    --------
+    >>> broken(np.array([[0.0, 0.0], [1.0, 0.0], [90.0, 0.0]]))[:, 0].tolist()
+    [0.0, 1.0, nan, 90.0]
+    """
+    leaps = np.flatnonzero(np.linalg.norm(np.diff(path_m, axis=0), axis=1) > _LEAP_M)
+    return np.insert(path_m, leaps + 1, np.nan, axis=0)

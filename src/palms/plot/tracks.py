@@ -19,7 +19,7 @@ from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
 from palms.localizer import Track
 from palms.plot.plans import draw_plan, figure_size
-from palms.plot.story import check_truth, errors_m
+from palms.plot.story import broken, check_truth, errors_m
 from palms.plot.style import (
     ANSWER,
     EMPTY,
@@ -95,14 +95,14 @@ def _map_panel(axes: Axes, plan: FloorPlan, track: Track, truth: FloatArray | No
     draw_plan(axes, plan, 0.6, colour="#9a9a9a")
     entries = []
     if truth is not None:
-        axes.plot(truth[:, 0], truth[:, 1], color=TRUTH, linewidth=3.4, zorder=4, gid="truth")
+        axes.plot(*broken(truth).T, color=TRUTH, linewidth=3.4, zorder=4, gid="truth")
         entries.append(legend_line(TRUTH, 3.4, "true path"))
     drawn = set()
     for stage, path in _runs(track):
         thin = stage in (Stage.SEARCHING, Stage.ORIENTED)
         width = 1.1 if thin else 1.7
         axes.plot(
-            path[:, 0], path[:, 1], color=ANSWER, linewidth=width, linestyle=STAGE_LINES[stage],
+            *broken(path).T, color=ANSWER, linewidth=width, linestyle=STAGE_LINES[stage],
             zorder=5, alpha=0.75 if thin else 1.0, gid=f"path-{stage}",
         )  # fmt: skip
         drawn.add(stage)

@@ -230,3 +230,14 @@ def test_levels_are_drawn_as_plans_of_their_own(tower, tmp_path):
 def test_settings_out_of_range_are_refused(wrong):
     with pytest.raises(SettingsError, match=f"CaseSettings.{next(iter(wrong))}"):
         CaseSettings(**wrong)
+
+
+def test_a_jump_may_have_a_size_and_a_hint_a_time(site):
+    settings = CaseSettings(length_m=40.0, jump_m=20.0, jump_size_m=12.0, hint="place", hint_m=5.0)
+    case = simulate_walk(site, simulate_start(site, 0, [], settings), 0, settings)
+    hint, jump = sorted(case.events, key=lambda event: event.kind)
+    assert np.hypot(*jump.shift_m) == pytest.approx(12.0, abs=0.01)
+    assert jump.turn_rad == 0
+    assert hint.time_s < jump.time_s
+    before = case.recorded.arkit.walked_m[np.searchsorted(case.recorded.time_s, hint.time_s)]
+    assert before == pytest.approx(5.0, abs=1.0)

@@ -21,13 +21,7 @@ from palms.evaluation.simulation.cases import (
 )
 from palms.evaluation.simulation.depth_camera import DepthCamera, DepthSequence, take_depth
 from palms.evaluation.simulation.drawing import Stretch, draw_plan, draw_stretch
-from palms.evaluation.simulation.generator import (
-    Building,
-    Stairs,
-    generate_building,
-    generate_levels,
-    is_angled,
-)
+from palms.evaluation.simulation.generator import generate_building, generate_levels, is_angled
 from palms.evaluation.simulation.layout import Passage, Pose, plan_of_rooms
 from palms.evaluation.simulation.levels import Tower, walk_levels
 from palms.evaluation.simulation.noise import drift_of, inertial_odometry, vio_odometry, with_jump
@@ -60,7 +54,6 @@ from palms.evaluation.simulation.world import World, make_world
 
 __all__ = [
     "BUILDING_KINDS",
-    "Building",
     "CaseSettings",
     "Count",
     "DepthCamera",
@@ -78,7 +71,6 @@ __all__ = [
     "SimulatedCase",
     "SimulatedScan",
     "Site",
-    "Stairs",
     "Start",
     "StartSettings",
     "Stretch",

@@ -51,6 +51,8 @@ class CaseSettings:
         How far the user turns for a scan.
     second_scan_m, jump_m : float, optional
         After how many metres there is a second scan; a jump of the odometry.
+    jump_size_m : float, optional
+        How far it jumps, then without a turn; drawn from the nuisances when left out.
     hint : {"room", "place"}, optional
         What somebody says after `hint_m` metres.
     hint_is_right : bool
@@ -78,6 +80,7 @@ class CaseSettings:
     scan_turn_rad: float = 2 * math.pi
     second_scan_m: float | None = None
     jump_m: float | None = None
+    jump_size_m: float | None = None
     hint: Literal["room", "place"] | None = None
     hint_is_right: bool = True
     hint_m: float = 30.0
@@ -88,6 +91,7 @@ class CaseSettings:
         for name, low, high in (
             ("length_m", 5.0, 10_000.0), ("rate_hz", 0.2, 200.0), ("scan_turn_rad", 0.1, 20.0),
             ("second_scan_m", 1.0, self.length_m), ("jump_m", 1.0, self.length_m),
+            ("jump_size_m", 0.0, 1000.0), ("hint_m", 0.0, 10_000.0),
         ):  # fmt: skip
             value = getattr(self, name)
             if value is not None and not low <= value <= high:
@@ -301,6 +305,8 @@ def _odometry(
     events: list[Event] = []
     if settings.jump_m is not None:
         at = int(np.searchsorted(truth.walked_m, settings.jump_m))
+        if settings.jump_size_m is not None:
+            nuisances = replace(nuisances, jump_m=settings.jump_size_m, jump_turn_rad=0.0)
         vio, jump = make_jump(vio, min(at, len(vio) - 2), nuisances, rng)
         inertial, _ = make_jump(inertial, min(at, len(vio) - 2), nuisances, rng)
         events.append(jump)

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
+from palms.building import Building, Stairs
 from palms.errors import InputError
 from palms.evaluation.simulation.blocks import STAIRS, Piece, fill_block
 from palms.evaluation.simulation.dice import chance, pick, uniform
@@ -14,59 +13,14 @@ from palms.evaluation.simulation.rows import Names, columns_in
 from palms.evaluation.simulation.skeleton import Foyer, Skeleton, draw_skeleton
 from palms.evaluation.simulation.styles import BUILDING_KINDS, BuildingStyle, style_of
 from palms.floorplan import FloorPlan, Room, SegmentClass
-from palms.geometry import FloatArray, check_finite
+from palms.geometry import FloatArray
 
-__all__ = ["Building", "Stairs", "generate_building", "generate_levels", "is_angled"]
+__all__ = ["generate_building", "generate_levels", "is_angled"]
 
 _FACADE_M = 3.4  # simulation: outer walls of foyers longer than this may have an entrance
 _ENTRANCE_M = 1.8  # simulation
 _LEVELS = (1, 6)  # simulation: the floor that a building of one level shows
 _LARGE_M2 = 60.0  # simulation: foyers larger than this have columns
-
-
-@dataclass(frozen=True, slots=True)
-class Stairs:
-    """Where one gets from level to level: the same place on all of them.
-
-    Parameters
-    ----------
-    name : str
-        Of its room, on every level.
-    position_m : array_like (2,)
-        The middle of the room, in the map frame.
-
-    Examples
-    --------
-    >>> Stairs("Stairs A", (1.0, 2.0)).position_m.tolist()
-    [1.0, 2.0]
-    """
-
-    name: str
-    position_m: FloatArray
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "position_m", check_finite(self.position_m, self.name, (2,)))
-
-
-@dataclass(frozen=True, slots=True)
-class Building:
-    """Levels that lie above each other in one map frame, and the stairs between them.
-
-    Parameters
-    ----------
-    levels : tuple of FloorPlan
-        From the lowest up.
-    stairs : tuple of Stairs
-
-    Examples
-    --------
-    >>> building = generate_levels("office", 7, 2)
-    >>> [plan.level for plan in building.levels], building.stairs[0].name
-    (['2', '3'], 'Stairs A')
-    """
-
-    levels: tuple[FloorPlan, ...]
-    stairs: tuple[Stairs, ...] = ()
 
 
 def is_angled(seed: int) -> bool:
@@ -130,9 +84,9 @@ def generate_levels(kind: str, seed: int, count: int) -> Building:
 
     Examples
     --------
-    >>> building = generate_levels("office", 3, 3)
-    >>> len(building.levels)
-    3
+    >>> building = generate_levels("office", 7, 2)
+    >>> building.names, building.stairs[0].name
+    (('2', '3'), 'Stairs A')
     """
     style = style_of(kind)
     if seed < 0 or count < 1:
@@ -150,7 +104,7 @@ def generate_levels(kind: str, seed: int, count: int) -> Building:
         for k in range(count)
     )
     stairs = [room for room in plans[0].rooms if room.name.startswith(STAIRS)]
-    return Building(plans, tuple(Stairs(r.name, r.polygon_m.mean(axis=0)) for r in stairs))
+    return Building(plans, tuple(Stairs(room.name, room.polygon_m) for room in stairs))
 
 
 def _pose(skeleton: Skeleton, rng: np.random.Generator) -> Pose:

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from palms.building import Stairs
 from palms.errors import InputError
-from palms.evaluation.simulation.generator import Stairs
 from palms.evaluation.simulation.pace import with_pause
 from palms.evaluation.simulation.routes import FreeSpace, find_ways
 from palms.evaluation.simulation.settings import RouteSettings

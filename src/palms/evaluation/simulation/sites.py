@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from palms.building import Building
 from palms.errors import InputError
 from palms.evaluation.simulation.drawing import Stretch, draw_plan, draw_stretch
-from palms.evaluation.simulation.generator import Building
 from palms.evaluation.simulation.levels import Tower
 from palms.evaluation.simulation.nuisances import NuisanceRanges, Nuisances, draw_nuisances
 from palms.evaluation.simulation.routes import free_space
