@@ -11,6 +11,7 @@ from palms.floorplan import FloorPlan, Room
 from palms.hints import Hint
 from palms.levels import climbed, level_shares
 from palms.localizer import Happening, Localizer, locate, track, track_trials
+from palms.odometry import Move
 from palms.particles import Particles
 from palms.randomness import as_key
 from palms.settings import LevelSettings, Settings
@@ -138,6 +139,19 @@ def test_somebody_who_takes_the_stairs_is_followed():
     estimate = localizer.hint(Hint(level="1", probability=0.95))
     assert estimate.level == "1"
     assert level_shares(localizer.belief.particles, HOUSE.atlas)[1] > 0.8
+
+
+def test_who_was_told_the_level_does_not_climb_again_before_leaving_the_stairs():
+    localizer = Localizer(HOUSE, OURS, rng=2)
+    localizer.observe(scan_on(GROUND))
+    to_stairs = [*STEPS[:15], *[(0.6, 0.0)] * 10, *[(0.0, 0.6)] * 5]
+    for move in walk(to_stairs, DRIFT).moves():
+        localizer.move(move)
+    told = localizer.hint(Hint(level="1", probability=0.99))
+    for k in range(20):  # waiting on the landing
+        waiting = localizer.move(Move(told.time_s + k + 1.0, 0.0, 0.0))
+    assert waiting.level == "1"
+    assert waiting.p_level == pytest.approx(told.p_level, abs=0.02)
 
 
 def test_hints_of_levels_rooms_and_places():

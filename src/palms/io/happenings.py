@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["happenings_of"]
 
 HINT_PROBABILITY = 0.8  # ours: of a hint that does not say how often such hints are true
-LEVEL_PROBABILITY = 0.95  # ours: the phone's barometer tells a change of level rather surely
+LEVEL_PROBABILITY = 0.99  # ours: the phone's barometer tells a change of level rather surely
 HINT_RADIUS_M = 5.0  # ours: of a hint that does not say
 
 

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 
 from palms.belief import Belief, Estimate, Stage, settle, summarize
-from palms.building import Building
+from palms.building import Atlas, Building
 from palms.declaration import evidence_of, judge
 from palms.errors import InputError
 from palms.floorplan import FloorPlan
@@ -38,6 +38,8 @@ from palms.scan import Scan
 from palms.settings import Settings
 
 __all__ = ["Localizer", "Watcher", "ground", "locate"]
+
+CLEAR_M = 1.0  # ours: so far from stairs nobody stands on them
 
 Watcher = Callable[[Estimate, Belief, MoveInfo], None]
 _START = 0  # key of the start; step i has key i + 1
@@ -125,6 +127,7 @@ class Localizer:
         self._conditions = Conditions(self.raster, self.settings, motion, own_frame, self.atlas)
         self._sighting: Sighting | None = None
         self._hints: list[Hint] = []
+        self._arrived = False  # on a level that was told, and not off its stairs since
         self._since_search_m = math.inf
         if self.settings.start.source == "uniform":
             self._begin(start_everywhere(self.raster, self._n, self._key.child(_START)))
@@ -178,12 +181,12 @@ class Localizer:
         if not self.settings.is_ours:
             return self.estimate
         if self.belief is None:
-            hint.ratio(
-                np.zeros((1, 2)), self.raster, self.atlas
-            )  # one that cannot be used is said at once
+            nowhere = np.zeros((1, 2))
+            hint.ratio(nowhere, self.raster, self.atlas)  # one that cannot be used is said at once
             self._hints.append(hint)
             return self.estimate
         self._step += 1
+        self._arrived = self._arrived or hint.level is not None
         key = self._key.child(self._step, _HINT)
         self.belief = take_hint(self.belief, hint, self._sighting, self._conditions, key)
         self.estimate = self._summary(self.estimate.time_s)
@@ -239,8 +242,7 @@ class Localizer:
         )  # fmt: skip
         if self.settings.is_ours:
             if self.atlas is not None:
-                levels, seconds = self.settings.levels, move.duration_s
-                particles = climbed(particles, self.atlas, seconds, levels, key.child(_CLIMB))
+                particles = self._climbed(particles, move, self.atlas, key.child(_CLIMB))
             self.belief = self._weigh(particles, move, info, key)
         else:
             self.belief = settle(self.belief, particles, move, self.settings.convergence, key)
@@ -248,6 +250,16 @@ class Localizer:
         if self._watch is not None:
             self._watch(self.estimate, self.belief, info)
         return self.estimate
+
+    def _climbed(self, particles: Particles, move: Move, atlas: Atlas, key: RandomKey) -> Particles:
+        """Let particles climb; not while somebody who was told the level leaves the stairs."""
+        assert self.belief is not None
+        levels = self.settings.levels
+        if self._arrived:
+            here = self.belief.answer_m[None]
+            self._arrived = bool(atlas.on_stairs(here, levels.reach_m + CLEAR_M)[0])
+            return particles
+        return climbed(particles, atlas, move.duration_s, levels, key)
 
     def _weigh(self, particles: Particles, move: Move, info: MoveInfo, key: RandomKey) -> Belief:
         """Ours: draw anew where it helps, judge, and look elsewhere when lost."""
