@@ -78,6 +78,11 @@ def test_values_cannot_be_changed():
             getattr(value, field)[0] = 0
 
 
+def test_a_wall_longer_than_any_is_refused():
+    with pytest.raises(InputError, match="at most 100 m, got one of 2000 m"):
+        Scan([[[2, -1000], [2, 1000]]])
+
+
 def test_scans_without_walls_or_beyond_their_range_are_refused():
     with pytest.raises(InputError, match="at least one vertical wall"):
         Scan(np.empty((0, 2, 2)))

@@ -44,7 +44,7 @@ class Scan:
     ------
     InputError
         When there is no wall, a number is not finite, or every wall lies beyond the
-        scanner's range (its unit is then hardly the metre).
+        scanner's range, or one is longer than any (its unit is then hardly the metre).
 
     Examples
     --------
@@ -106,5 +106,13 @@ def _within_range(walls: FloatArray, position: FloatArray) -> FloatArray:
             f"{LIMITS.max_scan_range_m:g} m and are left out",
             PalmsWarning,
             stacklevel=4,
+        )
+    longest = float(lengths(walls[near]).max())
+    if longest > LIMITS.max_wall_m:
+        raise InputError(
+            "scan",
+            expected=f"walls of at most {LIMITS.max_wall_m:g} m",
+            got=f"one of {longest:.4g} m",
+            fix="check that its unit is the metre",
         )
     return as_readonly(walls[near])

@@ -5,13 +5,19 @@ Nothing heavy is imported before a command needs it, so that ``palms --help`` is
 
 from __future__ import annotations
 
+import os
 import sys
 
 __all__ = ["main"]
 
 
 def main() -> None:
-    """Run the command; the entry point of the package."""
+    """Run the command; the entry point of the package.
+
+    One product is never spread over several cores: it is too small to gain, and its last bits
+    would depend on how many there are.
+    """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         from palms.cli.app import app
 

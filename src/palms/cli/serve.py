@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Annotated
@@ -75,7 +74,6 @@ def serve(
     ] = None,
 ) -> None:  # fmt: skip
     """Follow phones live: buildings, sessions and their pages, from one folder."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # sessions share the cores, not one product
     _check_extra()
     from palms.server.application import Setup
     from palms.server.gate import Gate, is_loopback

@@ -78,6 +78,8 @@ class Limits:
         (paper V), doubled because planes grow while the user turns (ours).
     min_wall_m : float
         Shorter walls of a scan are dropped (ours).
+    max_wall_m : float
+        A scan with a longer wall is not in metres (ours).
     max_speed_m_s : float
         A walk whose median speed is higher is not in metres and seconds (ours).
     max_jump_m : float
@@ -88,6 +90,7 @@ class Limits:
     max_plan_m: float = 5000.0
     max_scan_range_m: float = 10.0
     min_wall_m: float = 0.1
+    max_wall_m: float = 100.0
     max_speed_m_s: float = 50.0
     max_jump_m: float = 1000.0
 
