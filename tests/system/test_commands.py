@@ -237,3 +237,20 @@ def test_interrupt_is_quiet(tmp_path, after_s):
     assert process.returncode == 130
     assert "Traceback" not in said
     assert list(tmp_path.iterdir()) == []
+
+
+def test_an_interrupt_that_fell_into_a_callback_is_not_lost():
+    """As a signal that arrives while the compiler calls back, where Python can raise nothing."""
+    script = (
+        "import ctypes, signal, sys, time\n"
+        "from palms.cli import _again\n"
+        "sys.unraisablehook = _again\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "press = ctypes.CFUNCTYPE(None)(lambda: signal.raise_signal(signal.SIGINT))\n"
+        "try:\n    press()\n    time.sleep(20)\n"
+        "except KeyboardInterrupt:\n    print('stopped')\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert (done.stdout, done.stderr) == ("stopped\n", "")

@@ -5,10 +5,21 @@ Nothing heavy is imported before a command needs it, so that ``palms --help`` is
 
 from __future__ import annotations
 
+import _thread
 import os
 import sys
 
 __all__ = ["main"]
+
+
+def _again(unraisable: sys.UnraisableHookArgs) -> None:
+    """Interrupt once more when an interrupt fell where nothing can be raised."""
+    if issubclass(unraisable.exc_type, KeyboardInterrupt):
+        from threading import Timer
+
+        Timer(0.01, _thread.interrupt_main).start()  # here, too, it would be swallowed
+    else:
+        sys.__unraisablehook__(unraisable)
 
 
 def main() -> None:
@@ -18,6 +29,7 @@ def main() -> None:
     would depend on how many there are.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    sys.unraisablehook = _again  # the compiler's callbacks swallow what is raised in them
     try:
         from palms.cli.app import app
 

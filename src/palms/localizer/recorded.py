@@ -154,8 +154,11 @@ def track_trials(
     if jobs == 1:
         yield from map(follow, seeds)
         return
-    with ThreadPoolExecutor(jobs) as pool:
+    pool = ThreadPoolExecutor(jobs)
+    try:
         yield from pool.map(follow, seeds)
+    finally:
+        pool.shutdown(cancel_futures=True)  # whoever leaves early waits for no other trial
 
 
 class _Told(NamedTuple):

@@ -63,7 +63,7 @@ def scan_points(scan: Scan, settings: ObservationSettings | None = None) -> Scan
     Examples
     --------
     >>> points = scan_points(Scan([[[2.0, -1.0], [2.0, 1.0]]]))
-    >>> round(float(points.wall_weight_m.sum()), 6), bool((points.empty_m[:, 0] < 1.8).all())
+    >>> round(float(points.wall_weight_m.sum()), 6), bool((points.empty_m[:, 0] < 1.9).all())
     (2.0, True)
     """
     settings = settings or ObservationSettings()
