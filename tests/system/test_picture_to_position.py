@@ -21,7 +21,7 @@ def folder(tmp_path_factory):
     """Where the three commands of the README wrote their results."""
     place = tmp_path_factory.mktemp("phone")
     commands = (
-        f"plan convert {PHONE}/plan.png {place}/plan.csv --option scale={SCALE_M}",
+        f"plan convert {PHONE}/plan.png {place}/plan.csv --scale {SCALE_M}",
         f"locate {place}/plan.csv {PHONE}/room.json --json {place}/places.json",
         f"track {place}/plan.csv {PHONE}/room.json {PHONE}/poses.csv --json {place}/track.json",
     )

@@ -29,6 +29,7 @@ __all__ = [
     "read_plan",
     "read_scan",
     "read_walk",
+    "scaled",
     "scan_name",
     "walk_name",
 ]
@@ -135,6 +136,18 @@ class Input:
         from palms.io import read_any
 
         return read_any(group, self.path, self.format, self.options or ())
+
+
+def scaled(options: Sequence[str] | None, scale_m: float | None) -> list[str]:
+    """Return options for a reader, with the scale that was given by an option of its own.
+
+    Examples
+    --------
+    >>> scaled(["invert=true"], 0.02)
+    ['invert=true', 'scale=0.02']
+    """
+    given = [] if scale_m is None else [f"scale={scale_m!r}"]
+    return [*(options or ()), *given]
 
 
 def read_plan(given: Input) -> FloorPlan:

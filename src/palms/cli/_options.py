@@ -23,6 +23,7 @@ __all__ = [
     "PlanOptions",
     "PlanPath",
     "Png",
+    "Scale",
     "ScanFormat",
     "ScanOptions",
     "ScanPath",
@@ -120,6 +121,15 @@ WalkOptions = Annotated[list[str] | None, _reader_option("walk", "--walk-option"
 OnePlanFormat = Annotated[str | None, _format_option("floor plan", "--plan-format", "--format")]
 OnePlanOptions = Annotated[
     list[str] | None, _reader_option("floor plan", "--plan-option", "--option")
+]
+Scale = Annotated[
+    float | None,
+    typer.Option(
+        "--scale",
+        metavar="METRES",
+        help="Metres of a pixel, or of a unit of the drawing; short for --option scale=METRES.",
+        show_default=False,
+    ),
 ]
 OneScanFormat = Annotated[str | None, _format_option("scan", "--scan-format", "--format")]
 OneScanOptions = Annotated[list[str] | None, _reader_option("scan", "--scan-option", "--option")]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from palms.cli._options import Json, OnePlanFormat, OnePlanOptions, PlanPath, Png
+from palms.cli._options import Json, OnePlanFormat, OnePlanOptions, PlanPath, Png, Scale
 from palms.cli._outputs import check_file, describe, write_result
 
 if TYPE_CHECKING:
@@ -26,12 +26,13 @@ def info(
     json: Json = None,
     format: OnePlanFormat = None,
     option: OnePlanOptions = None,
+    scale: Scale = None,
 ) -> None:
     """Tell what a floor plan holds, and what looks wrong with it."""
-    from palms.cli._inputs import Input, read_plan
+    from palms.cli._inputs import Input, read_plan, scaled
 
     check_file(json)
-    facts = _facts(read_plan(Input(plan, format, option)))
+    facts = _facts(read_plan(Input(plan, format, scaled(option, scale))))
     describe(_words(facts), json)
     write_result(facts, json)
 
@@ -93,11 +94,12 @@ def show(
     png: Png = None,
     format: OnePlanFormat = None,
     option: OnePlanOptions = None,
+    scale: Scale = None,
 ) -> None:
     """Draw a floor plan; into <plan>.png when no file is named."""
-    from palms.cli._inputs import Input, read_plan
+    from palms.cli._inputs import Input, read_plan, scaled
 
-    floor = read_plan(Input(plan, format, option))
+    floor = read_plan(Input(plan, format, scaled(option, scale)))
     plain = re.sub(r"[^-.()\w ]", "_", floor.name)
     target = png or Path(f"{plain}.png")
     if png is None and target.exists() and target.samefile(plan):
@@ -145,14 +147,15 @@ def convert(
     ] = None,
     format: OnePlanFormat = None,
     option: OnePlanOptions = None,
+    scale: Scale = None,
 ) -> None:  # fmt: skip
     """Write a floor plan in another format, repaired where that is asked for."""
     from palms import repair
-    from palms.cli._inputs import Input, read_plan
+    from palms.cli._inputs import Input, read_plan, scaled
     from palms.io import write_floorplan
 
     box = None if crop is None else _box(crop)
-    floor = read_plan(Input(plan, format, option))
+    floor = read_plan(Input(plan, format, scaled(option, scale)))
     check_file(target)
     told = []
     if box is not None:
