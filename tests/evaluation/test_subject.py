@@ -54,7 +54,7 @@ def test_a_case_has_all_levels_and_what_happened(case):
     assert first.position_m.tolist() == [0, 0]
     assert (hint.probability, hint.level, hint.radius_m) == (0.8, "1", 5.0)
     assert np.linalg.norm(second.position_m) > 5
-    assert (level.level, level.probability, level.place_m) == ("2", 0.95, None)
+    assert (level.level, level.probability, level.place_m) == ("2", 0.99, None)
     assert [each.time_s for each in told] == sorted(each.time_s for each in told)
 
 
