@@ -98,7 +98,8 @@ class Hint:
         return np.where(self._holds(position_m, raster, atlas), inside, outside)
 
     def _words(self) -> str:
-        said = {"place": self.place_m, "room": self.room, "level": self.level}
+        place = None if self.place_m is None else "{:g}, {:g}".format(*self.place_m)
+        said = {"place": place, "room": self.room, "level": self.level}
         return ", ".join(f"{name} {what}" for name, what in said.items() if what is not None)
 
     def _holds(

@@ -8,8 +8,9 @@ import numpy as np
 
 from palms.errors import FormatError
 from palms.geometry import FloatArray
+from palms.io.files import read_json
 from palms.io.plane_geometry import read_vector, rectangle, word_of
-from palms.io.plane_json import Plane, has_keys, read_planes
+from palms.io.plane_json import Plane, has_keys, planes_scan
 from palms.io.registry import Format
 from palms.io.values import StrPath, check_array, check_number
 from palms.scan import Scan
@@ -47,7 +48,8 @@ def read_arcore_planes(path: StrPath) -> Scan:
     ...     read_arcore_planes(f"{folder}/planes.json").walls_m.round(3).tolist()
     [[[1.0, 3.0], [3.0, 3.0]]]
     """
-    return read_planes(path, _EXPECTED, _may_be_wall, _matrix, _corners)
+    content = read_json(path, _EXPECTED)
+    return planes_scan(content, path, _EXPECTED, _may_be_wall, _matrix, _corners)
 
 
 def _may_be_wall(plane: Plane) -> bool:

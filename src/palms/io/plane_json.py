@@ -10,13 +10,13 @@ import numpy as np
 
 from palms.errors import FormatError
 from palms.geometry import FloatArray
-from palms.io.files import head, read_json
+from palms.io.files import head
 from palms.io.plane_geometry import on_ground, read_matrices, read_pose, read_vector, upright_wall
 from palms.io.planes import session_of
 from palms.io.values import StrPath, brief, locating
 from palms.scan import Scan
 
-__all__ = ["Plane", "has_keys", "list_of", "planes_scan", "read_planes"]
+__all__ = ["Plane", "has_keys", "list_of", "planes_scan"]
 
 Plane = dict[str, Any]
 _PLACES = ("position", "viewer", "camera", "devicePosition")
@@ -53,19 +53,22 @@ def list_of(content: object, keys: tuple[str, ...], path: StrPath, expected: str
     return listed
 
 
-def read_planes(
+def planes_scan(
+    content: object,
     path: StrPath,
     expected: str,
     is_wall: Callable[[Plane], bool],
     matrix_of: Callable[[Plane, str], object],
     corners_of: Callable[[Plane, str], FloatArray],
 ) -> Scan:
-    """Read a list of planes of an AR session.
+    """Return the scan that a list of planes of an AR session makes.
 
     Parameters
     ----------
+    content : object
+        What the file held.
     path : path
-        The JSON file.
+        What to call it in messages.
     expected : str
         What it should hold, for messages.
     is_wall : callable
@@ -75,30 +78,8 @@ def read_planes(
 
     Raises
     ------
-    InputError
-        When it cannot be read or holds no upright plane.
-    """
-    return planes_scan(read_json(path, expected), path, expected, is_wall, matrix_of, corners_of)
-
-
-def planes_scan(
-    content: object,
-    path: StrPath,
-    expected: str,
-    is_wall: Callable[[Plane], bool],
-    matrix_of: Callable[[Plane, str], object],
-    corners_of: Callable[[Plane, str], FloatArray],
-) -> Scan:
-    """Return the scan that planes make, read before; as `read_planes`.
-
-    Parameters
-    ----------
-    content : object
-        What the file held.
-    path : path
-        What to call it in messages.
-    expected, is_wall, matrix_of, corners_of
-        As for `read_planes`.
+    FormatError
+        When it holds no upright plane.
     """
     planes = list_of(content, ("planes", "anchors", "detectedPlanes"), path, expected)
     kept = [(i, plane) for i, plane in enumerate(planes) if is_wall(plane)]
