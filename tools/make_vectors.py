@@ -55,6 +55,8 @@ def _filter() -> dict[str, dict[str, object]]:
     )
     weights, index = np.array([0.1, 0.0, 0.6, 0.3]), np.empty(6, np.int64)
     loops.systematic(weights, 6, 0.25, index)
+    sums, place = np.empty((2, 5)), np.array([0, 1, -1, 0])
+    loops.gathered(position, drift, weights, place, sums)
     given = {
         "position": position.tolist(), "drift": drift.tolist(), "scale": scale.tolist(),
         "step": step, "noise": noise, "key": KEY, "walls": WALLS, "cell_size": 0.1,
@@ -70,6 +72,10 @@ def _filter() -> dict[str, dict[str, object]]:
                 "position": copied.tolist(), "drift": copied_drift.tolist(),
                 "label": label.tolist(), "scale": kept_scale.tolist(),
             },
+        },
+        "gathered": {
+            "in": {"of": "move", "weights": weights.tolist(), "place": place.tolist()},
+            "out": sums.tolist(),
         },
         "systematic": {
             "in": {"weights": weights.tolist(), "n": 6, "u": 0.25}, "out": index.tolist(),

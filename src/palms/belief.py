@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from palms._compiled import clusters
 from palms.convergence import Cluster, dominant_cluster
-from palms.geometry import FloatArray, circular_mean, wrap_angle
+from palms.geometry import FloatArray, wrap_angle
 from palms.odometry import Move
 from palms.particles import Particles, thin
 from palms.randomness import RandomKey
@@ -87,12 +87,23 @@ class Belief:
     age: int = 0
     doubt: float = 0.0
 
-    @cached_property
+    @property
     def answer_m(self) -> FloatArray:
         """The best single answer (2,): the mean of the answering particles."""
         if self.answering is not None and not self.answering.any() and self.mode_m is not None:
             return self.mode_m
-        return self.particles.mean_m(self.answering)
+        return self._pose[0]
+
+    @property
+    def drift_rad(self) -> float:
+        """Mean drift of the answering particles, in (-pi, pi]."""
+        return self._pose[1]
+
+    @cached_property
+    def _pose(self) -> tuple[FloatArray, float]:
+        """Mean pose of the answering particles; of all where none answers."""
+        some = None if self.answering is None or not self.answering.any() else self.answering
+        return self.particles.mean_pose(some)
 
     @cached_property
     def away_m(self) -> FloatArray:
@@ -105,14 +116,6 @@ class Belief:
         """Share of the weight within a radius of the answer."""
         share = float(clusters.weight_within(self.away_m, self.particles.weight, radius_m))
         return min(share, 1.0)  # weights sum to 1 but for rounding
-
-    @cached_property
-    def drift_rad(self) -> float:
-        """Mean drift of the answering particles, in (-pi, pi]."""
-        p, answering = self.particles, self.answering
-        if answering is None or not answering.any():
-            return circular_mean(p.drift_rad, p.weight)
-        return circular_mean(p.drift_rad[answering], p.weight[answering])
 
 
 def settle(
@@ -272,11 +275,10 @@ def hypotheses(particles: Particles, n: int = 5, radius_m: float = 2.0) -> tuple
     if n == 0:
         return ()
     place, shares = clusters.heaviest_places(particles.position_m, particles.weight, radius_m, n)
-    found = []
-    for k in np.flatnonzero(shares > 0):
-        member = np.flatnonzero(place == k)
-        weight = particles.weight[member]
-        x, y = weight @ particles.position_m[member] / weight.sum()
-        drift = circular_mean(particles.drift_rad[member], weight)
-        found.append(Hypothesis(float(x), float(y), float(shares[k]), drift))
+    poses = particles.mean_poses(place, n)
+    found = [
+        Hypothesis(float(x), float(y), float(share), drift)
+        for share, ((x, y), drift) in zip(shares, poses, strict=True)
+        if share > 0
+    ]
     return tuple(sorted(found, key=lambda h: -h.share))

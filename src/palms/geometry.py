@@ -130,8 +130,9 @@ def rotate(points: npt.ArrayLike, angle_rad: float) -> FloatArray:
     [0.0, 1.0]
     """
     c, s = np.cos(angle_rad), np.sin(angle_rad)
-    turned: FloatArray = np.asarray(points, dtype=np.float64) @ np.array([[c, s], [-s, c]])
-    return turned
+    xy = np.asarray(points, dtype=np.float64)
+    x, y = xy[..., 0], xy[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
 def rotate_each(vector: npt.ArrayLike, angle_rad: FloatArray) -> FloatArray:
@@ -217,5 +218,6 @@ def circular_mean(angles_rad: FloatArray, weights: FloatArray) -> float:
     >>> round(circular_mean(np.array([3.1, -3.1]), np.ones(2)), 4)
     3.1416
     """
-    mean = np.arctan2(weights @ np.sin(angles_rad), weights @ np.cos(angles_rad))
+    sine, cosine = (weights * of(angles_rad) for of in (np.sin, np.cos))
+    mean = np.arctan2(sine.sum(), cosine.sum())
     return float(wrap_angle(mean))

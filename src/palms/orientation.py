@@ -52,7 +52,7 @@ def principal_orientation(segments_m: npt.ArrayLike) -> float:
     for _ in range(5):
         off = _fold(angle - peak)
         near = weight * (np.abs(off) <= WINDOW_RAD)
-        peak += float(near @ off) / max(float(near.sum()), 1e-12)
+        peak += float((near * off).sum()) / max(float(near.sum()), 1e-12)
     return float(np.mod(peak, QUARTER))
 
 

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from palms._compiled import clusters
 from palms._compiled import filter as loops
 from palms.errors import InputError
 from palms.geometry import FloatArray, as_readonly, wrap_angle
@@ -97,17 +98,33 @@ class Particles:
 
     def mean_m(self, members: npt.NDArray[np.bool_] | None = None) -> FloatArray:
         """Weighted mean position (2,) of all particles or of some of them."""
-        if members is None:
-            mean: FloatArray = self.weight @ self.position_m / self.weight.sum()
-        else:
-            weight = self.weight[members]
-            mean = weight @ self.position_m[members] / weight.sum()
-        return mean
+        return self.mean_pose(members)[0]
+
+    def mean_pose(self, members: npt.NDArray[np.bool_] | None = None) -> tuple[FloatArray, float]:
+        """Weighted mean position (2,), and drift in (-pi, pi], of all or of some of them."""
+        member = np.ones(len(self), np.bool_) if members is None else members
+        return self.mean_poses(member.astype(np.int64) - 1, 1)[0]
+
+    def mean_poses(self, place: npt.NDArray[np.int64], n: int) -> list[tuple[FloatArray, float]]:
+        """Mean pose of the particles of each of n places; NaN where there are none.
+
+        Parameters
+        ----------
+        place : (N,) int64
+            The place that each particle belongs to, or -1.
+        n : int
+        """
+        sums = np.empty((n, 5))
+        loops.gathered(self.position_m, self.drift_rad, self.weight, place, sums)
+        drift = wrap_angle(np.arctan2(sums[:, 4], sums[:, 3]))
+        with np.errstate(invalid="ignore"):
+            mean = sums[:, 1:3] / sums[:, :1]
+        return [(mean[k], float(drift[k])) for k in range(n)]
 
     def dispersion_m(self) -> float:
         """Root of the summed variances of the positions."""
-        offset = self.position_m - self.mean_m()
-        return float(np.sqrt(self.weight @ (offset**2).sum(axis=1)))
+        x, y = self.mean_m()
+        return math.sqrt(clusters.variance(self.position_m, self.weight, x, y))
 
     def take(self, index: npt.NDArray[np.int64], weight: FloatArray) -> Particles:
         """Return some of them, by index (M,), with new weights (M,)."""
@@ -282,8 +299,10 @@ def reweight(particles: Particles, factor: npt.ArrayLike) -> tuple[Particles, fl
     >>> more.weight.round(3).tolist(), round(kept, 3)
     ([0.667, 0.333], -0.288)
     """
-    weight = particles.weight * np.asarray(factor, dtype=np.float64)
-    total = float(weight.sum())
+    weight = np.empty(len(particles))
+    total = loops.weighed(
+        particles.weight, np.ascontiguousarray(factor, dtype=np.float64), weight
+    )  # fmt: skip
     if total <= sys.float_info.min:
         return particles, math.log(sys.float_info.min)
     return replace(particles, weight=weight / total), math.log(total)
@@ -298,7 +317,7 @@ def _resample_all(particles: Particles, settings: MotionSettings, key: RandomKey
     weight = particles.weight[index]
     return Particles(
         particles.position_m[index] + settings.jitter_m * offset, particles.drift_rad[index],
-        particles.scale[index], particles.label[index], weight / weight.sum(),
+        particles.scale[index], particles.label[index], weight / loops.moments(weight)[0],
     )  # fmt: skip
 
 
@@ -351,7 +370,8 @@ def effective_sample_size(weight: FloatArray) -> float:
     >>> effective_sample_size(np.array([0.5, 0.5, 0.0]))
     2.0
     """
-    return float(weight.sum() ** 2 / (weight @ weight))
+    total, squares = loops.moments(np.ascontiguousarray(weight))
+    return float(total**2 / squares)
 
 
 def _dealt(n: int, n_groups: int, key: RandomKey) -> npt.NDArray[np.int32]:

@@ -175,7 +175,7 @@ def _by_root(
     root = np.sqrt(weight)
     index = resample_systematic(root, n, key)
     left = root[index]
-    return index, left / left.sum()
+    return index, left / loops.moments(left)[0]
 
 
 def _jittered(

@@ -69,3 +69,11 @@ def test_the_heaviest_places_are_disjoint_and_ranked(seed):
         if (place == k).any():
             member = points[place == k]
             assert np.ptp(member, axis=0).max() <= 4.0 + 1e-9
+
+
+def test_the_variance_about_a_point_is_the_weighted_mean_square():
+    rng = np.random.default_rng(1)
+    points, weight = rng.normal(size=(900, 2)), rng.random(900)
+    away = ((points - (0.5, -1.0)) ** 2).sum(axis=1)
+    found = clusters.variance(points, weight, 0.5, -1.0)
+    assert found == pytest.approx(float((weight * away).sum()))

@@ -145,3 +145,47 @@ def test_systematic_resampling_equals_its_twin(seed):
     assert (out == twins.systematic(weights, 333, u)).all()
     share = 333 * weights / weights.sum()
     assert (np.abs(np.bincount(out, minlength=200) - share) < 1).all()
+
+
+def drifts(n=4000):
+    """Ordinary ones, many turns, and the neighbourhood of quarter turns."""
+    rng = np.random.default_rng(0)
+    quarters = np.arange(-40, 41) * np.pi / 2
+    near = np.concatenate([quarters, np.nextafter(quarters, 9e9), quarters + 1e-9])
+    return np.concatenate([rng.uniform(-7, 7, n), rng.uniform(-1e5, 1e5, n), near])
+
+
+def test_sines_and_cosines_are_those_of_the_library():
+    drift = drifts()
+    n = len(drift)
+    sums = np.empty((n, 5))
+    loops.gathered(np.zeros((n, 2)), drift, np.ones(n), np.arange(n), sums)
+    assert np.abs(sums[:, 3] - np.cos(drift)).max() < 3e-16
+    assert np.abs(sums[:, 4] - np.sin(drift)).max() < 3e-16
+
+
+def test_sums_over_places_equal_numpys():
+    rng = np.random.default_rng(3)
+    n = 5000
+    position, drift, weight = rng.normal(size=(n, 2)), rng.uniform(-9, 9, n), rng.random(n)
+    place = rng.integers(-1, 3, n)
+    sums = np.empty((4, 5))
+    loops.gathered(position, drift, weight, place, sums)
+    for k in range(4):
+        w, p, d = (a[place == k] for a in (weight, position, drift))
+        here = [
+            w.sum(),
+            *(w[:, None] * p).sum(axis=0),
+            (w * np.cos(d)).sum(),
+            (w * np.sin(d)).sum(),
+        ]
+        assert sums[k] == pytest.approx(here, rel=1e-12, abs=1e-12)
+    assert (sums[3] == 0).all()
+
+
+def test_weights_and_their_moments_equal_numpys():
+    rng = np.random.default_rng(4)
+    weight, factor, out = rng.random(3000), rng.random(3000), np.empty(3000)
+    assert loops.weighed(weight, factor, out) == pytest.approx(float((weight * factor).sum()))
+    assert (out == weight * factor).all()
+    assert loops.moments(out) == pytest.approx((out.sum(), (out**2).sum()))

@@ -138,6 +138,16 @@ def distances(points, x, y, out):
 
 
 @njit(cache=True, nogil=True)
+def variance(points, weight, x, y):
+    """Weighted sum of the squared distances of points (N, 2) from (x, y)."""
+    total = 0.0
+    for i in range(points.shape[0]):
+        dx, dy = points[i, 0] - x, points[i, 1] - y
+        total += weight[i] * (dx * dx + dy * dy)
+    return total
+
+
+@njit(cache=True, nogil=True)
 def weight_within(distance, weight, radius):
     """Weight of the particles within a radius."""
     total = 0.0

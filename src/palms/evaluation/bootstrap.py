@@ -182,8 +182,8 @@ def _numbered(units: Sequence[object]) -> tuple[int, npt.NDArray[np.int64]]:
 def _means(value: FloatArray, unit: npt.NDArray[np.int64], counts: FloatArray) -> FloatArray:
     """Mean (B,) of the values, each counted as often as its unit was drawn; NaN for none."""
     n_units = counts.shape[1]
-    total = counts @ np.bincount(unit, value, n_units)
-    n = counts @ np.bincount(unit, minlength=n_units)
+    total = (counts * np.bincount(unit, value, n_units)).sum(axis=1)
+    n = (counts * np.bincount(unit, minlength=n_units)).sum(axis=1)
     out = np.full(len(n), np.nan)
     np.divide(total, n, out=out, where=n > 0)
     return out
