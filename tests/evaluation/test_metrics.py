@@ -90,6 +90,15 @@ def test_coverage_over_localized_steps():
     assert (m.coverage_68, m.coverage_95) == (0.5, 1.0)
 
 
+def test_the_radius_is_the_median_while_localized():
+    assert metrics([S, L, L, L], [9, 1, 2, 2], radius_95_m=[9, 1, 5, 2]).radius_95_m == 2.0
+
+
+def test_an_alarm_is_false_when_the_answer_was_right():
+    m = metrics([X, X, L, X, S, X], [1, 1, 0, 2, 0, 2.1])
+    assert m.false_alarms == 2  # the first, and the one after localized; the last is right
+
+
 def test_right_place_needs_no_wall_between():
     raster = rasterize(FloorPlan([[[-5, 1], [20, 1]], [[-5, -5], [20, -5]]]))
     m = trial_metrics(*case([L, L, L, S], [0.5, 2, -3, 0]), raster)
@@ -103,8 +112,8 @@ def test_never_declared():
     assert not m.wrong
     undefined = (
         "declared_after_s", "declared_after_m", "right_after_m", "false_localized",
-        "rmse_after_m", "within_1m_after", "coverage_68", "coverage_95", "paper_time_s",
-        "paper_distance_m", "paper_rmse_m", "paper_within_1m",
+        "rmse_after_m", "within_1m_after", "coverage_68", "coverage_95", "radius_95_m",
+        "paper_time_s", "paper_distance_m", "paper_rmse_m", "paper_within_1m",
     )  # fmt: skip
     assert all(getattr(m, name) is None for name in undefined)
     assert (m.useful, m.longest_false_m, m.final_error_m) == (0.0, 0.0, 4.0)
@@ -156,7 +165,7 @@ def test_json_holds_every_metric_and_no_nan():
     content = metrics([S, L, L], [NAN, NAN, 3]).to_json()
     assert set(content) == set(TrialMetrics.__dataclass_fields__)
     assert not any(isinstance(v, float) and math.isnan(v) for v in content.values())
-    assert all(v is None or type(v) in (bool, float) for v in content.values())
+    assert all(v is None or type(v) in (bool, int, float) for v in content.values())
 
 
 def test_answers_of_a_track():

@@ -252,7 +252,7 @@ def aggregate(
 def _columns(trials: Sequence[Mapping[str, Any]]) -> dict[str, FloatArray]:
     """Values of the trials by the figure's name; NaN where one is not defined."""
     column = {
-        field.name: np.array([trial[field.name] for trial in trials], dtype=np.float64)
+        field.name: np.array([trial.get(field.name) for trial in trials], dtype=np.float64)
         for field in fields(TrialMetrics)
     }
     column["wrong_of_declared"] = np.where(column["declared"] == 1, column["wrong"], np.nan)

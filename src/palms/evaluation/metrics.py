@@ -144,7 +144,15 @@ class Answers:
     @property
     def localized(self) -> npt.NDArray[np.bool_]:
         """Whether the stage is localized (T,)."""
-        return np.array([stage is Stage.LOCALIZED for stage in self.stage], dtype=np.bool_)
+        return self._is(Stage.LOCALIZED)
+
+    @property
+    def lost(self) -> npt.NDArray[np.bool_]:
+        """Whether the stage is lost (T,)."""
+        return self._is(Stage.LOST)
+
+    def _is(self, stage: Stage) -> npt.NDArray[np.bool_]:
+        return np.array([each is stage for each in self.stage], dtype=np.bool_)
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,6 +187,10 @@ class TrialMetrics:
         Error of the last answer; None on the wrong level.
     coverage_68, coverage_95 : float or None
         Share of the localized steps within the stated radius.
+    radius_95_m : float or None
+        Median of it over the localized steps.
+    false_alarms : int
+        Times that it said to be lost while its answer was within 2 m.
     paper_time_s, paper_distance_m, paper_rmse_m, paper_within_1m : float or None
         The paper's columns: time and distance at t2, and RMSE and share within 1 m over
         all steps from then on, whatever the stage.
@@ -206,6 +218,8 @@ class TrialMetrics:
     final_error_m: float | None
     coverage_68: float | None
     coverage_95: float | None
+    radius_95_m: float | None
+    false_alarms: int
     paper_time_s: float | None
     paper_distance_m: float | None
     paper_rmse_m: float | None
@@ -287,6 +301,8 @@ def trial_metrics(
         final_error_m=_number(off[-1]) if len(off) else None,
         coverage_68=_share(off <= answers.radius_68_m[known], steps.localized),
         coverage_95=_share(off <= answers.radius_95_m[known], steps.localized),
+        radius_95_m=_median(answers.radius_95_m[known][steps.localized]),
+        false_alarms=int((_entered(answers.lost[known]) & (off <= WRONG_M)).sum()),
         duration_s=float(answers.t_s[-1]) if len(answers.t_s) else 0.0,
         length_m=float(length.sum()),
     )
@@ -313,6 +329,16 @@ def _share(holds: npt.NDArray[np.bool_], among: npt.NDArray[np.bool_]) -> float 
     return float(holds[among].mean()) if among.any() else None
 
 
+def _median(values: FloatArray) -> float | None:
+    stated = values[~np.isnan(values)]
+    return float(np.median(stated)) if len(stated) else None
+
+
+def _entered(stage: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
+    entered: npt.NDArray[np.bool_] = stage & ~np.concatenate([[False], stage[:-1]])
+    return entered
+
+
 def _rmse(error_m: FloatArray) -> float | None:
     """Of the answers on the right level; no number is fair to the others."""
     known = error_m[np.isfinite(error_m)]
@@ -329,8 +355,7 @@ def _declaration(steps: _Steps) -> dict[str, Any]:
         }  # fmt: skip
     at = int(steps.localized.argmax())
     near = steps.error_m <= WRONG_M
-    entered = steps.localized & ~np.concatenate([[False], steps.localized[:-1]])
-    right = np.flatnonzero(entered & near)
+    right = np.flatnonzero(_entered(steps.localized) & near)
     later = np.arange(len(near)) >= at
     t_s, walked = float(steps.t_s[at]), float(steps.walked_m[at])
     return {

@@ -219,7 +219,7 @@ class DeclarationSettings:
     """
 
     rule: Literal["clusters", "probability"] = "clusters"
-    enter: float = 0.97
+    enter: float = 0.98
     leave: float = 0.85
     oriented_share: float = 0.9
     oriented_rad: float = 0.2617993877991494

@@ -1,0 +1,1 @@
+"""The goals of the default method beside what it reached, from results that are there."""
