@@ -155,18 +155,19 @@ def search(
     inside = maps.inside
     best, found = -np.inf, []
     for k, scores in enumerate(maps):
-        best = max(best, float(scores.max(where=inside, initial=-np.inf)))
-        here = np.argwhere(inside & (scores >= best - settings.search_nats)).astype(np.int32)
-        found.append((here, np.full(len(here), k, np.int32), scores[here[:, 0], here[:, 1]]))
+        best = max(best, float(select.peak(scores, inside)))
+        here = select.at_least_inside(scores, inside, np.float32(best - settings.search_nats))
+        found.append((here, np.full(len(here), k, np.int32), scores.ravel()[here]))
     at, label, score = (np.concatenate(part) for part in zip(*found, strict=True))
     least = best - settings.search_nats
     if len(score) > settings.max_candidates:
         least = max(least, float(select.nth_largest(score, settings.max_candidates)))
     keep = np.flatnonzero(score >= least)
+    cells = np.stack(np.unravel_index(at[keep], inside.shape), axis=1).astype(np.int32)
     log_weight = settings.search_power * (score[keep].astype(np.float64) - best)
     n_drifts = round(2 * math.pi / settings.drift_step_rad)
     return Candidates(
-        maps.grid, maps.drifts_rad, at[keep], label[keep], score[keep],
+        maps.grid, maps.drifts_rad, cells, label[keep], score[keep],
         log_weight - math.log(np.exp(log_weight).sum()),
         drift_step_rad=settings.drift_step_rad, n_poses=int(inside.sum()) * n_drifts,
     )  # fmt: skip
