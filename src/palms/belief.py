@@ -313,10 +313,11 @@ def summarize(
     settings = settings or AnswerSettings()
     drift, sure = belief.drift_rad, 1 - belief.doubt
     heading = None if heading_odom_rad is None else float(wrap_angle(heading_odom_rad + drift))
+    radius_68, radius_95 = belief.radii_m(min(0.68 / sure, 1.0), min(0.95 / sure, 1.0))
     return Estimate(
         time_s, belief.stage, belief.answer_m, heading, drift,
         sure * belief.share_within(1.0), sure * belief.share_within(2.0),
-        *belief.radii_m(min(0.68 / sure, 1.0), min(0.95 / sure, 1.0)),
+        radius_68, radius_95,
         hypotheses(belief, settings.hypotheses, settings.hypothesis_radius_m),
     )  # fmt: skip
 

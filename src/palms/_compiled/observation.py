@@ -169,7 +169,7 @@ def occupied(position, drift, weight, least, bin_m, bin_rad):
     table = np.full(size, -1, np.int64)
     turn = 2.0 * math.pi
     n = 0
-    last = np.int64(-1)
+    last = -1
     for i in range(position.shape[0]):
         if weight[i] < least:
             continue
