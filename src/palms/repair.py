@@ -12,7 +12,6 @@ import numpy.typing as npt
 from palms.errors import InputError
 from palms.floorplan import FloorPlan, SegmentClass
 from palms.geometry import FloatArray, directions, lengths
-from palms.raster import rasterize
 from palms.settings import RasterSettings
 
 __all__ = ["FreeSpace", "close_gaps", "crop", "find_problems", "free_space", "merge", "snap"]
@@ -48,6 +47,8 @@ def free_space(plan: FloorPlan) -> FreeSpace:
     (True, 0)
     """
     from scipy import ndimage
+
+    from palms.raster import rasterize
 
     area = float(np.prod(np.maximum(plan.size_m, 1.0) + 2.0))
     cell = min(1.0, max(0.1, math.sqrt(area / CELLS)))

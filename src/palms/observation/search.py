@@ -153,16 +153,19 @@ def search(
     settings = settings or ObservationSettings()
     maps = likelihoods(scan, raster, settings)
     inside = maps.inside
-    best, found = -np.inf, []
+    best, least = -np.inf, -np.inf
+    at, label, score = np.empty(0, np.int64), np.empty(0, np.int32), np.empty(0, np.float32)
     for k, scores in enumerate(maps):
         best = max(best, float(select.peak(scores, inside)))
-        here = select.at_least_inside(scores, inside, np.float32(best - settings.search_nats))
-        found.append((here, np.full(len(here), k, np.int32), scores.ravel()[here]))
-    at, label, score = (np.concatenate(part) for part in zip(*found, strict=True))
-    least = best - settings.search_nats
-    if len(score) > settings.max_candidates:
-        least = max(least, float(select.nth_largest(score, settings.max_candidates)))
-    keep = np.flatnonzero(score >= least)
+        least = max(least, best - settings.search_nats)
+        here = select.at_least_inside(scores, inside, np.float32(least))
+        at, score = np.concatenate([at, here]), np.concatenate([score, scores.ravel()[here]])
+        label = np.concatenate([label, np.full(len(here), k, np.int32)])
+        if len(score) > (1 if k == len(maps) - 1 else 2) * settings.max_candidates:
+            least = max(least, float(select.nth_largest(score, settings.max_candidates)))
+            keep = score >= least
+            at, label, score = at[keep], label[keep], score[keep]
+    keep = np.flatnonzero(score >= best - settings.search_nats)
     cells = np.stack(np.unravel_index(at[keep], inside.shape), axis=1).astype(np.int32)
     log_weight = settings.search_power * (score[keep].astype(np.float64) - best)
     n_drifts = round(2 * math.pi / settings.drift_step_rad)
