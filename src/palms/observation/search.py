@@ -161,10 +161,11 @@ def search(
         here = select.at_least_inside(scores, inside, np.float32(least))
         at, score = np.concatenate([at, here]), np.concatenate([score, scores.ravel()[here]])
         label = np.concatenate([label, np.full(len(here), k, np.int32)])
-        if len(score) > (1 if k == len(maps) - 1 else 2) * settings.max_candidates:
+        last = k == len(maps) - 1
+        if len(score) > (1 if last else 2) * settings.max_candidates:
             least = max(least, float(select.nth_largest(score, settings.max_candidates)))
-            keep = score >= least
-            at, label, score = at[keep], label[keep], score[keep]
+            enough = score >= least
+            at, label, score = at[enough], label[enough], score[enough]
     keep = np.flatnonzero(score >= best - settings.search_nats)
     cells = np.stack(np.unravel_index(at[keep], inside.shape), axis=1).astype(np.int32)
     log_weight = settings.search_power * (score[keep].astype(np.float64) - best)
