@@ -118,4 +118,4 @@ def test_hypotheses_turn_with_the_drift():
     particles = Particles(
         np.zeros((n, 2)), np.full(n, 2 * np.pi + 0.5), np.ones(n), np.zeros(n), np.full(n, 1 / n)
     )
-    assert hypotheses(particles)[0].drift_rad == pytest.approx(0.5)
+    assert hypotheses(Belief(particles))[0].drift_rad == pytest.approx(0.5)

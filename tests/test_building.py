@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import shapely
 
 from palms.building import Building, Stairs
 from palms.errors import InputError
@@ -205,3 +206,35 @@ def test_what_a_scan_says_of_a_building_lies_on_its_atlas():
 def test_a_plan_without_a_level_has_no_hint_of_one():
     with pytest.raises(InputError, match="it has no name"):
         Localizer(FloorPlan(GROUND.segments_m), OURS).hint(Hint(level="1"))
+
+
+@pytest.mark.parametrize("within_m", [0.0, 0.3, 1.3])
+def test_who_is_on_stairs_is_told_to_the_millimetre(within_m):
+    stairs = (
+        Stairs("round", [[5 + np.cos(a), 4 + np.sin(a)] for a in np.arange(0, 6.2, 0.2)]),
+        Stairs("at the border", [[19, 0], [22, 0], [22, 3], [19, 2]]),
+        Stairs("nowhere near", [[9e6, 0], [9e6 + 1, 0], [9e6, 3]]),
+    )
+    plans = tuple(replace(two_rooms(), level=name) for name in "123")
+    atlas = Building(plans, stairs).atlas
+    rng = np.random.default_rng(0)
+    here = rng.uniform([-4, -4], [26, 16], (6000, 2))
+    level = rng.integers(0, 3, len(here))
+    areas = shapely.union_all([shapely.Polygon(each.polygon_m) for each in stairs])
+    on_atlas = here + atlas.shift_m[level]
+    x, y = atlas.folded(on_atlas).T
+    slow = shapely.contains_xy(areas.buffer(within_m), x, y)
+    assert (atlas.on_stairs(on_atlas, within_m) == slow).all()
+    assert 0.005 < slow.mean() < 0.2
+
+
+def test_stairs_without_area_are_no_stairs():
+    line = Stairs("a line", [[1, 1], [2, 2], [3, 3]])
+    plans = tuple(replace(two_rooms(), level=name) for name in "12")
+    assert not Building(plans, (line,)).atlas.on_stairs(np.array([[1.5, 1.5], [9.0, 9.0]])).any()
+
+
+def test_far_from_all_sheets_there_is_a_level_all_the_same():
+    plans = tuple(replace(two_rooms(), level=name) for name in "1234")
+    far = 1e5 * np.array([[-1.0, -1], [-1, 1], [1, -1], [1, 1]])
+    assert Building(plans).atlas.level_of(far).tolist() == [0, 0, 3, 3]

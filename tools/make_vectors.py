@@ -109,15 +109,16 @@ def _clusters() -> dict[str, dict[str, object]]:
     points = np.array([[0.0, 0.0], [0.2, 0.1], [0.4, 0.0], [7.0, 7.0], [7.3, 7.1]])
     modes, member, counts = clusters.mean_shift(points, 1.0, 1e-3, 300)
     weight = np.array([0.1, 0.3, 0.2, 0.2, 0.2])
-    quantile = clusters.weighted_quantile(np.arange(5.0), weight, 0.68)
+    quantile = np.empty(1)
+    clusters.weighted_quantiles(np.arange(5.0), weight, np.array([0.68]), quantile)
     return {
         "mean_shift": {
             "in": {"points": points.tolist(), "bandwidth": 1.0},
             "out": {"modes": modes.tolist(), "member": member.tolist(), "counts": counts.tolist()},
         },
-        "weighted_quantile": {
+        "weighted_quantiles": {
             "in": {"distance": [0, 1, 2, 3, 4], "weight": weight.tolist(), "share": 0.68},
-            "out": quantile,
+            "out": quantile[0],
         },
     }
 

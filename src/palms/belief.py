@@ -19,8 +19,9 @@ from palms.particles import Particles, thin
 from palms.randomness import RandomKey
 from palms.settings import AnswerSettings, ConvergenceSettings
 
-__all__ = ["Belief", "Estimate", "Hypothesis", "Stage", "settle", "summarize"]
+__all__ = ["Belief", "Estimate", "Hypothesis", "Spots", "Stage", "settle", "summarize"]
 
+N_SPOTS = 5  # ours: as many as are told, unless the settings ask for more
 _SETTLE = 6  # purpose of random numbers, after those of particles.py
 
 
@@ -59,6 +60,32 @@ class Hypothesis(NamedTuple):
     level: str | None = None
 
 
+class Spots(NamedTuple):
+    """The few places that hold most of the weight.
+
+    Attributes
+    ----------
+    radius_m : float
+        Of each.
+    place : (N,) int64
+        The spot that each particle belongs to, or -1.
+    shares : (K,)
+        Weight of each spot; 0 of those that were not found.
+    """
+
+    radius_m: float
+    place: npt.NDArray[np.int64]
+    shares: FloatArray
+
+    @classmethod
+    def of(cls, particles: Particles, radius_m: float, n: int = N_SPOTS) -> Spots:
+        """Find up to n spots, heaviest first."""
+        place, shares = clusters.heaviest_places(
+            particles.position_m, particles.weight, radius_m, n
+        )
+        return cls(radius_m, place, shares)
+
+
 @dataclass(frozen=True)
 class Belief:
     """Particles and the verdict on them.
@@ -77,6 +104,8 @@ class Belief:
         Steps since the last clustering.
     doubt : float
         Probability that the particles do not hold the truth; 0 where nobody asks.
+    spots : Spots or None
+        Where they were looked for; the first spot's particles then answer.
     """
 
     particles: Particles
@@ -86,6 +115,7 @@ class Belief:
     answering: npt.NDArray[np.bool_] | None = None
     age: int = 0
     doubt: float = 0.0
+    spots: Spots | None = None
 
     @property
     def answer_m(self) -> FloatArray:
@@ -102,8 +132,17 @@ class Belief:
     @cached_property
     def _pose(self) -> tuple[FloatArray, float]:
         """Mean pose of the answering particles; of all where none answers."""
+        if self.spots is not None and self.spots.shares[0] > 0:
+            return self.spot_poses[0]
         some = None if self.answering is None or not self.answering.any() else self.answering
         return self.particles.mean_pose(some)
+
+    @cached_property
+    def spot_poses(self) -> list[tuple[FloatArray, float]]:
+        """Mean pose of each spot; none where spots were not looked for."""
+        if self.spots is None:
+            return []
+        return self.particles.mean_poses(self.spots.place, len(self.spots.shares))
 
     @cached_property
     def away_m(self) -> FloatArray:
@@ -114,8 +153,22 @@ class Belief:
 
     def share_within(self, radius_m: float) -> float:
         """Share of the weight within a radius of the answer."""
-        share = float(clusters.weight_within(self.away_m, self.particles.weight, radius_m))
-        return min(share, 1.0)  # weights sum to 1 but for rounding
+        if radius_m not in self._within:
+            share = float(clusters.weight_within(self.away_m, self.particles.weight, radius_m))
+            self._within[radius_m] = min(share, 1.0)  # weights sum to 1 but for rounding
+        return self._within[radius_m]
+
+    def radii_m(self, *shares: float) -> tuple[float, ...]:
+        """Radii of the discs around the answer that hold shares of the weight."""
+        radii = np.empty(len(shares))
+        clusters.weighted_quantiles(
+            self.away_m, self.particles.weight, np.array(shares), radii
+        )  # fmt: skip
+        return tuple(radii.tolist())
+
+    @cached_property
+    def _within(self) -> dict[float, float]:
+        return {}
 
 
 def settle(
@@ -258,27 +311,28 @@ def summarize(
     settings : AnswerSettings, optional
     """
     settings = settings or AnswerSettings()
-    particles, drift, sure = belief.particles, belief.drift_rad, 1 - belief.doubt
-    away, weight = belief.away_m, particles.weight
+    drift, sure = belief.drift_rad, 1 - belief.doubt
     heading = None if heading_odom_rad is None else float(wrap_angle(heading_odom_rad + drift))
+    radius_68, radius_95 = belief.radii_m(min(0.68 / sure, 1.0), min(0.95 / sure, 1.0))
     return Estimate(
         time_s, belief.stage, belief.answer_m, heading, drift,
         sure * belief.share_within(1.0), sure * belief.share_within(2.0),
-        clusters.weighted_quantile(away, weight, min(0.68 / sure, 1.0)),
-        clusters.weighted_quantile(away, weight, min(0.95 / sure, 1.0)),
-        hypotheses(particles, settings.hypotheses, settings.hypothesis_radius_m),
+        radius_68, radius_95,
+        hypotheses(belief, settings.hypotheses, settings.hypothesis_radius_m),
     )  # fmt: skip
 
 
-def hypotheses(particles: Particles, n: int = 5, radius_m: float = 2.0) -> tuple[Hypothesis, ...]:
+def hypotheses(belief: Belief, n: int = N_SPOTS, radius_m: float = 2.0) -> tuple[Hypothesis, ...]:
     """Return up to n places that hold most of the belief, most probable first."""
     if n == 0:
         return ()
-    place, shares = clusters.heaviest_places(particles.position_m, particles.weight, radius_m, n)
-    poses = particles.mean_poses(place, n)
+    spots = belief.spots
+    if spots is None or spots.radius_m != radius_m or len(spots.shares) < n:
+        spots = Spots.of(belief.particles, radius_m, n)
+        belief = Belief(belief.particles, spots=spots)
     found = [
         Hypothesis(float(x), float(y), float(share), drift)
-        for share, ((x, y), drift) in zip(shares, poses, strict=True)
+        for share, ((x, y), drift) in zip(spots.shares[:n], belief.spot_poses[:n], strict=True)
         if share > 0
     ]
     return tuple(sorted(found, key=lambda h: -h.share))

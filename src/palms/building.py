@@ -11,18 +11,22 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from palms._compiled import raster as cells
 from palms.errors import InputError
 from palms.floorplan import FloorPlan, Room
 from palms.geometry import FloatArray, check_points
+from palms.grid import Grid
 from palms.raster import PlanRaster, rasterize
 from palms.settings import RasterSettings
 
 __all__ = ["Atlas", "Building", "Sheets", "Stairs", "joined_stairs", "named_stairs"]
 
+STAIRS_CELL_M = 0.5  # ours: a look at cells tells most places that are not on stairs
 GAP_M = 25.0  # ours: between sheets; no scan sees so far
 _STAIRS = re.compile(r"stair|lift|elevator|escalator|treppe|aufzug|rolltreppe|escalier|ascenseur",
                      re.IGNORECASE)  # fmt: skip
@@ -246,9 +250,12 @@ class Atlas:
         n = len(self.names)
         if n == 1:
             return np.zeros(len(position_m), np.int64)
-        tile = np.floor((position_m - self._low + GAP_M / 2) / self._tile).astype(np.int64)
-        column = np.clip(tile[:, 0], 0, self._columns - 1)
-        return np.asarray(np.clip(tile[:, 1] * self._columns + column, 0, n - 1))
+        level = np.empty(len(position_m), np.int64)
+        frame = np.array([*self._low, GAP_M / 2, *self._tile])
+        cells.tiles(
+            np.ascontiguousarray(position_m, np.float64), frame, (self._columns, n), level
+        )  # fmt: skip
+        return level
 
     def folded(self, position_m: FloatArray) -> FloatArray:
         """Return places (N, 2) of the atlas as places of the map, whatever their level."""
@@ -264,20 +271,41 @@ class Atlas:
         """Whether places (N, 2) of the atlas lie on stairs, or so near to them."""
         import shapely
 
-        if not self.building.stairs:
-            return np.zeros(len(position_m), np.bool_)
-        x, y = self.folded(position_m).T
-        return np.asarray(shapely.contains_xy(self._areas(within_m), x, y))
+        on = np.zeros(len(position_m), np.bool_)
+        if self.building.stairs:
+            area, mask, frame = self._stairs(within_m)
+            near = cells.marked(np.ascontiguousarray(position_m, np.float64), mask, frame)
+            x, y = self.folded(position_m[near]).T
+            on[near] = shapely.contains_xy(area, x, y)
+        return on
 
-    def _areas(self, within_m: float) -> object:
+    def _stairs(self, within_m: float) -> tuple[Any, npt.NDArray[np.bool_], FloatArray]:
+        """Return the area of all stairs, and the cells of the atlas that may reach into it."""
         if within_m not in self._prepared:
             import shapely
 
             polygons = [shapely.Polygon(each.polygon_m) for each in self.building.stairs]
-            area = shapely.union_all([shapely.make_valid(each) for each in polygons])
-            self._prepared[within_m] = area.buffer(within_m)
-            shapely.prepare(self._prepared[within_m])
+            union = shapely.union_all([shapely.make_valid(each) for each in polygons])
+            area, near = (union.buffer(within_m + more) for more in (0.0, STAIRS_CELL_M))
+            shapely.prepare(area)
+            shapely.prepare(near)
+            grid = self._grid_around(near)
+            rows, columns = np.indices(grid.shape)
+            x, y = self.folded(grid.position_of(np.stack([rows.ravel(), columns.ravel()], 1))).T
+            mask = shapely.contains_xy(near, x, y).reshape(grid.shape)
+            frame = np.array([*grid.origin_m, 1 / STAIRS_CELL_M])
+            self._prepared[within_m] = (area, mask, frame)
         return self._prepared[within_m]
+
+    def _grid_around(self, area: Any) -> Grid:  # noqa: ANN401
+        """Return cells that cover an area on each sheet, as far as it lies on sheets."""
+        low, high = np.array((0.0, 0.0, 0.0, 0.0) if area.is_empty else area.bounds).reshape(2, 2)
+        low = np.clip(low, self._low - GAP_M / 2, self._low + self._tile)
+        high = np.clip(high, low, self._low + self._tile)
+        return Grid.covering(
+            low + self.shift_m.min(axis=0), high + self.shift_m.max(axis=0) + STAIRS_CELL_M,
+            STAIRS_CELL_M,
+        )  # fmt: skip
 
     def raster(self, settings: RasterSettings) -> PlanRaster:
         """Return the cells of all levels; made once."""
@@ -290,5 +318,5 @@ class Atlas:
         return {}
 
     @cached_property
-    def _prepared(self) -> dict[float, object]:
+    def _prepared(self) -> dict[float, tuple[Any, npt.NDArray[np.bool_], FloatArray]]:
         return {}

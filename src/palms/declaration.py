@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from palms._compiled import clusters
-from palms.belief import Belief, Stage
+from palms.belief import Belief, Spots, Stage
 from palms.particles import MoveInfo, Particles
 from palms.settings import DeclarationSettings
 
@@ -39,11 +39,8 @@ def judge(
     nats : float
         What it says for the belief as a whole; see `evidence_of`.
     """
-    place, _ = clusters.heaviest_places(particles.position_m, particles.weight, NEAR_M, 1)
     doubt = doubted(belief.doubt, nats, settings)
-    judged = Belief(
-        particles, belief.stage, answering=np.asarray(place == 0), doubt=doubt
-    )  # fmt: skip
+    judged = Belief(particles, belief.stage, doubt=doubt, spots=Spots.of(particles, NEAR_M))
     stage = _stage(judged, settings)
     return judged if stage is judged.stage else replace(judged, stage=stage)
 
@@ -94,9 +91,8 @@ def _stage(belief: Belief, settings: DeclarationSettings) -> Stage:
 
 def _share_oriented(particles: Particles, within_rad: float) -> float:
     """Largest share of the weight whose drifts lie this near to one drift."""
-    turn = np.mod(particles.drift_rad / (2 * math.pi), 1.0)
-    index = np.minimum((turn * DRIFT_BINS).astype(np.int64), DRIFT_BINS - 1)
-    shares = np.bincount(index, particles.weight, DRIFT_BINS)
+    shares = np.empty(DRIFT_BINS)
+    clusters.turn_shares(particles.drift_rad, particles.weight, shares)
     width = max(1, round(2 * within_rad / (2 * math.pi) * DRIFT_BINS))
     around = np.concatenate([[0.0], np.cumsum(np.concatenate([shares, shares[: width - 1]]))])
     return float((around[width:] - around[:-width]).max())

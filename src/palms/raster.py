@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import scipy.fft
-from scipy import ndimage
 
+from palms._compiled import distance
 from palms._compiled import filter as loops
 from palms._compiled import raster as cells
 from palms.errors import InputError
@@ -18,7 +18,7 @@ from palms.geometry import FloatArray, as_readonly
 from palms.grid import Grid
 from palms.settings import RasterSettings
 
-__all__ = ["PlanRaster", "rasterize"]
+__all__ = ["PlanRaster", "away_cells", "rasterize"]
 
 BUCKET_CELLS = 5  # ours: buckets of half a metre hold two to four walls indoors
 INSIDE_CELL_M = 0.3  # ours: the inside of a building needs no finer cells
@@ -150,7 +150,7 @@ def _density(
 def _walls(blocking_m: FloatArray, grid: Grid, indoors: npt.NDArray[np.bool_]) -> loops.Walls:
     cell = grid.cell_size_m
     on_wall = _density(blocking_m, np.ones(len(blocking_m)), grid, spread=False) > 0
-    half_cells = np.floor(2 * ndimage.distance_transform_edt(indoors & ~on_wall))
+    half_cells = np.floor(2 * away_cells(indoors & ~on_wall))
     clearance = np.where(indoors, np.clip(half_cells, 1, 255), loops.OUTSIDE)
     bucket = BUCKET_CELLS * cell
     rows, columns = (-(-n // BUCKET_CELLS) for n in grid.shape)
@@ -186,9 +186,16 @@ def _inside(
     return mask
 
 
+def away_cells(mask: npt.NDArray[np.bool_]) -> FloatArray:
+    """Return the distance (R, C), in cells, of set cells to the nearest that is not set."""
+    away = np.empty(mask.shape)
+    distance.to_clear(mask, away)
+    return away
+
+
 def _near(mask: npt.NDArray[np.bool_], radius: float) -> npt.NDArray[np.bool_]:
     """Return the cells within `radius` cells of a mask."""
-    return np.asarray(ndimage.distance_transform_edt(~mask) <= radius)
+    return np.asarray(away_cells(~mask) <= radius)
 
 
 def _within(outline_m: FloatArray, grid: Grid) -> npt.NDArray[np.bool_]:
@@ -215,6 +222,7 @@ def _enclosed(walls: npt.NDArray[np.bool_], radius: float) -> npt.NDArray[np.boo
     """Return what walls enclose after morphological closing by a disc of `radius` cells."""
     pad = int(np.ceil(radius)) + 2
     padded = np.pad(walls, pad)
-    filled = ndimage.binary_fill_holes(_near(padded, radius))
-    shrunk = ndimage.distance_transform_edt(filled) > radius
+    filled = np.empty(padded.shape, np.bool_)
+    distance.enclosed(_near(padded, radius), filled)
+    shrunk = away_cells(filled) > radius
     return np.ascontiguousarray((shrunk | padded)[pad:-pad, pad:-pad])

@@ -8,15 +8,10 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy import ndimage
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from palms.errors import InputError
 from palms.floorplan import FloorPlan, SegmentClass
 from palms.geometry import FloatArray, directions, lengths
-from palms.raster import rasterize
 from palms.settings import RasterSettings
 
 __all__ = ["FreeSpace", "close_gaps", "crop", "find_problems", "free_space", "merge", "snap"]
@@ -51,6 +46,10 @@ def free_space(plan: FloorPlan) -> FreeSpace:
     >>> 13 < space.area_m2 < 16, space.pockets
     (True, 0)
     """
+    from scipy import ndimage
+
+    from palms.raster import rasterize
+
     area = float(np.prod(np.maximum(plan.size_m, 1.0) + 2.0))
     cell = min(1.0, max(0.1, math.sqrt(area / CELLS)))
     settings = RasterSettings(
@@ -131,6 +130,8 @@ def snap(plan: FloorPlan, tolerance_m: float) -> tuple[FloorPlan, str]:
     """
     _check(tolerance_m, "--snap")
     ends = plan.segments_m.reshape(-1, 2)
+    from scipy.spatial import cKDTree
+
     pairs = cKDTree(ends).query_pairs(tolerance_m, output_type="ndarray")
     label = _together(len(ends), pairs)
     count = np.bincount(label)
@@ -230,6 +231,9 @@ def _inside(
 
 def _together(count: int, pairs: npt.NDArray[Any]) -> npt.NDArray[np.int32]:
     """Label (N,) of the group of each of N things of which some pairs belong together."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     ones = np.ones(len(pairs))
     graph = coo_array((ones, (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     return np.asarray(connected_components(graph, directed=False)[1])
@@ -270,6 +274,8 @@ def _gaps(plan: FloorPlan, widest_m: float) -> FloatArray:
     loose = _loose_ends(plan)
     if len(loose) < 2:
         return np.empty((0, 2, 2))
+    from scipy.spatial import cKDTree
+
     away, nearest = cKDTree(loose).query(loose, k=2)
     other = nearest[:, 1]
     index = np.arange(len(loose))

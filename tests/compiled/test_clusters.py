@@ -36,12 +36,16 @@ def test_quantiles_of_distance_equal_sorting(seed, share):
     rng = np.random.default_rng(seed)
     distance = np.round(rng.exponential(2, 700), 1)  # with ties
     weight = rng.random(700)
-    fast = clusters.weighted_quantile(distance, weight, share)
-    assert fast == pytest.approx(twins.weighted_quantile(distance, weight, share))
+    fast = np.empty(2)
+    clusters.weighted_quantiles(distance, weight, np.array([share, 0.5]), fast)
+    slow = [twins.weighted_quantile(distance, weight, each) for each in (share, 0.5)]
+    assert fast == pytest.approx(slow)
 
 
 def test_the_quantile_of_particles_in_one_place_is_zero():
-    assert clusters.weighted_quantile(np.zeros(4), np.ones(4), 0.95) == 0.0
+    radius = np.full(1, 9.0)
+    clusters.weighted_quantiles(np.zeros(4), np.ones(4), np.array([0.95]), radius)
+    assert radius[0] == 0.0
 
 
 def test_distances_and_weights_within():
@@ -77,3 +81,12 @@ def test_the_variance_about_a_point_is_the_weighted_mean_square():
     away = ((points - (0.5, -1.0)) ** 2).sum(axis=1)
     found = clusters.variance(points, weight, 0.5, -1.0)
     assert found == pytest.approx(float((weight * away).sum()))
+
+
+def test_shares_of_a_turn_are_numpys_histogram():
+    rng = np.random.default_rng(5)
+    drift, weight, found = rng.uniform(-20, 20, 4000), rng.random(4000), np.empty(72)
+    drift[:3] = 0.0, 2 * np.pi, -2 * np.pi
+    clusters.turn_shares(drift, weight, found)
+    index = np.minimum((np.mod(drift / (2 * np.pi), 1.0) * 72).astype(int), 71)
+    assert (found == np.bincount(index, weight, 72)).all()

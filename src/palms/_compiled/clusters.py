@@ -158,45 +158,57 @@ def weight_within(distance, weight, radius):
 
 
 @njit(cache=True, nogil=True)
-def weighted_quantile(distance, weight, share):
-    """Smallest distance within which a share of all weight lies."""
+def weighted_quantiles(distance, weight, share, out):
+    """Fill out (K,): the smallest distance within which each share (K,) of all weight lies."""
     n = distance.shape[0]
     bins = 512
     far, total = 0.0, 0.0
     for i in range(n):
         far = max(far, distance[i])
         total += weight[i]
+    out[:] = far
     if far == 0.0:
-        return 0.0
+        return
     factor = (bins - 1) / far
     mass = np.zeros(bins)
     for i in range(n):
         mass[int(distance[i] * factor)] += weight[i]
-    wanted = share * total * (1.0 - 1e-12)
-    b, below = 0, 0.0
-    while b < bins - 1 and below + mass[b] < wanted:
-        below += mass[b]
-        b += 1
     inside = np.empty(n, np.int64)
-    m = 0
-    for i in range(n):
-        if int(distance[i] * factor) == b:
-            inside[m] = i
-            m += 1
-    gap = m // 2
-    while gap > 0:  # shell sort: few members, and quick to compile
-        for k in range(gap, m):
-            i, j = inside[k], k
-            while j >= gap and distance[inside[j - gap]] > distance[i]:
-                inside[j] = inside[j - gap]
-                j -= gap
-            inside[j] = i
-        gap //= 2
-    for k in range(m):
-        below += weight[inside[k]]
-        if below >= wanted:
-            return distance[inside[k]]
-    return distance[inside[m - 1]] if m else far
+    for q in range(share.shape[0]):
+        wanted = share[q] * total * (1.0 - 1e-12)
+        b, below = 0, 0.0
+        while b < bins - 1 and below + mass[b] < wanted:
+            below += mass[b]
+            b += 1
+        m = 0
+        for i in range(n):
+            if int(distance[i] * factor) == b:
+                inside[m] = i
+                m += 1
+        gap = m // 2
+        while gap > 0:  # shell sort: few members, and quick to compile
+            for k in range(gap, m):
+                i, j = inside[k], k
+                while j >= gap and distance[inside[j - gap]] > distance[i]:
+                    inside[j] = inside[j - gap]
+                    j -= gap
+                inside[j] = i
+            gap //= 2
+        for k in range(m):
+            out[q] = distance[inside[k]]
+            below += weight[inside[k]]
+            if below >= wanted:
+                break
+
+
+@njit(cache=True, nogil=True)
+def turn_shares(drift, weight, out):
+    """Fill out (K,) with the weight of the drifts in each of K equal parts of a turn."""
+    bins = out.shape[0]
+    out[:] = 0.0
+    for i in range(drift.shape[0]):
+        turns = drift[i] / (2.0 * math.pi)
+        out[min(int((turns - math.floor(turns)) * bins), bins - 1)] += weight[i]
 
 
 @njit(cache=True, nogil=True)

@@ -8,6 +8,17 @@ import numpy as np
 from numba import njit
 
 
+@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+def _again(position, drift, i):
+    """Whether a pose is the one before it, as when it was drawn twice."""
+    return (
+        i > 0
+        and position[i, 0] == position[i - 1, 0]
+        and position[i, 1] == position[i - 1, 1]
+        and drift[i] == drift[i - 1]
+    )
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
 def lookup(position, drift, points, weight, field, frame, out):
     """Fill out (N,): the weighted sum of a field (R, C) at points (P, 2) seen from each pose.
@@ -16,16 +27,23 @@ def lookup(position, drift, points, weight, field, frame, out):
     x and y of the field's lower left corner and cells per metre.
     """
     rows, columns = field.shape
+    flat, at = field.ravel(), np.empty(points.shape[0], np.int32)
     for i in range(position.shape[0]):
+        if _again(position, drift, i):
+            out[i] = out[i - 1]
+            continue
         c, s = math.cos(drift[i]) * frame[2], math.sin(drift[i]) * frame[2]
         u0 = (position[i, 0] - frame[0]) * frame[2]
         v0 = (position[i, 1] - frame[1]) * frame[2]
-        total = 0.0
         for k in range(points.shape[0]):
             u = math.floor(u0 + c * points[k, 0] - s * points[k, 1])
             v = math.floor(v0 + s * points[k, 0] + c * points[k, 1])
-            if 0 <= u < columns and 0 <= v < rows:
-                total += weight[k] * field[int(v), int(u)]
+            on = (u >= 0.0) & (u < columns) & (v >= 0.0) & (v < rows)
+            at[k] = np.int32(v * columns + u) if on else -1
+        total = 0.0
+        for k in range(points.shape[0]):
+            if at[k] >= 0:
+                total += weight[k] * flat[at[k]]
         out[i] = total
 
 
@@ -42,8 +60,16 @@ def walls(
     lower left corner and cells per metre.
     """
     rows, columns = field.shape
-    total = np.empty(shift.shape[0])
+    n = shift.shape[0]
+    flat, at, total = field.ravel(), np.empty(n, np.int32), np.empty(n)
+    sum_ = unplanned
+    for j in range(n):
+        sum_ += (1.0 - unplanned) * share[j]
+    nothing = math.log(sum_)
     for i in range(position.shape[0]):
+        if _again(position, drift, i):
+            out[i] = out[i - 1]
+            continue
         c, s = math.cos(drift[i]) * frame[2], math.sin(drift[i]) * frame[2]
         u0 = (position[i, 0] - frame[0]) * frame[2]
         v0 = (position[i, 1] - frame[1]) * frame[2]
@@ -55,15 +81,25 @@ def walls(
             for k in range(first[w], first[w + 1]):
                 u = u0 + c * points[k, 0] - s * points[k, 1]
                 v = v0 + s * points[k, 0] + c * points[k, 1]
-                for j in range(shift.shape[0]):
+                for j in range(n):  # apart from the sums, so that it becomes vector code
                     column = math.floor(u + shift[j] * across)
                     row = math.floor(v + shift[j] * along)
-                    if 0 <= column < columns and 0 <= row < rows:
-                        total[j] += weight[k] * field[int(row), int(column)]
-            top = max(total.max(), 0.0)
-            sum_ = unplanned * math.exp(-top)
-            for j in range(shift.shape[0]):
-                sum_ += (1.0 - unplanned) * share[j] * math.exp(total[j] - top)
+                    on = (column >= 0.0) & (column < columns) & (row >= 0.0) & (row < rows)
+                    at[j] = np.int32(row * columns + column) if on else -1
+                for j in range(n):
+                    if at[j] >= 0:
+                        total[j] += weight[k] * flat[at[j]]
+            top = 0.0
+            for j in range(n):
+                top = max(top, total[j])
+            if top == 0.0:
+                out[i] += nothing
+                continue
+            none = math.exp(-top)
+            sum_ = unplanned * none
+            for j in range(n):
+                term = math.exp(total[j] - top) if total[j] > 0.0 else none
+                sum_ += (1.0 - unplanned) * share[j] * term
             out[i] += top + math.log(sum_)
 
 
@@ -77,6 +113,9 @@ def empties(position, drift, points, area, wall, metres, n_walls, per_m, missing
     rows, columns = wall.shape
     seen, touched = np.zeros(n_walls), np.empty(n_walls, np.int64)
     for i in range(position.shape[0]):
+        if _again(position, drift, i):
+            out[i] = out[i - 1]
+            continue
         c, s = math.cos(drift[i]) * frame[2], math.sin(drift[i]) * frame[2]
         u0 = (position[i, 0] - frame[0]) * frame[2]
         v0 = (position[i, 1] - frame[1]) * frame[2]
@@ -130,6 +169,7 @@ def occupied(position, drift, weight, least, bin_m, bin_rad):
     table = np.full(size, -1, np.int64)
     turn = 2.0 * math.pi
     n = 0
+    last = -1
     for i in range(position.shape[0]):
         if weight[i] < least:
             continue
@@ -137,7 +177,10 @@ def occupied(position, drift, weight, least, bin_m, bin_rad):
         y = int(math.floor(position[i, 1] / bin_m)) & 0xFFFFF
         a = drift[i] - turn * math.floor(drift[i] / turn)
         key = (x << 40) | (y << 20) | int(a / bin_rad)
-        at = ((key * 0x2545F4914F6CDD1D) >> 20) & (size - 1)
+        if key == last:  # neighbours in the arrays are often neighbours in the building
+            continue
+        last = key
+        at = ((key * 0x2545F4914F6CDD1D) >> 40) & (size - 1)  # bits that x reaches, too
         while table[at] != -1 and table[at] != key:
             at = (at + 1) & (size - 1)
         if table[at] == -1:

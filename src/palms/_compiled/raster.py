@@ -173,3 +173,35 @@ def bucket_segments(segments, cell, rows, columns, slack):
         start[b] = start[b - 1]
     start[0] = 0
     return start, items
+
+
+@njit(cache=True, nogil=True)
+def marked(position, mask, frame):
+    """Indices of the positions (N, 2) whose cell of a mask (R, C) is set, in order.
+
+    `frame` is x and y of the mask's lower left corner and cells per metre.
+    """
+    rows, columns = mask.shape
+    out = np.empty(position.shape[0], np.int64)
+    n = 0
+    for i in range(position.shape[0]):
+        c = math.floor((position[i, 0] - frame[0]) * frame[2])
+        r = math.floor((position[i, 1] - frame[1]) * frame[2])
+        if 0 <= c < columns and 0 <= r < rows and mask[int(r), int(c)]:
+            out[n] = i
+            n += 1
+    return out[:n]
+
+
+@njit(cache=True, nogil=True)
+def tiles(position, frame, columns, out):
+    """Fill out (N,) with the tile of each position (N, 2), row by row; some tile for those off.
+
+    `frame` is x and y of the lower left corner, half of the gap around it, and width and
+    height of a tile; `columns` are the tiles of a row and all tiles.
+    """
+    for i in range(position.shape[0]):
+        c = math.floor((position[i, 0] - frame[0] + frame[2]) / frame[3])
+        r = math.floor((position[i, 1] - frame[1] + frame[2]) / frame[4])
+        c = min(max(c, 0.0), columns[0] - 1.0)
+        out[i] = int(min(max(r * columns[0] + c, 0.0), columns[1] - 1.0))

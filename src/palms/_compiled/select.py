@@ -81,3 +81,30 @@ def at_least(scores, threshold):
             out[m] = i
             m += 1
     return out
+
+
+@njit(cache=True, nogil=True)
+def peak(scores, inside):
+    """Largest of the scores (R, C) where a mask is set; -inf where none is."""
+    flat, where = scores.ravel(), inside.ravel()
+    high = np.float32(-np.inf)
+    for i in range(flat.shape[0]):
+        if flat[i] > high and where[i]:
+            high = flat[i]
+    return high
+
+
+@njit(cache=True, nogil=True)
+def at_least_inside(scores, inside, threshold):
+    """Flat indices of the scores (R, C) at or above a threshold where a mask is set, in order."""
+    flat, where = scores.ravel(), inside.ravel()
+    n = 0
+    for i in range(flat.shape[0]):
+        n += flat[i] >= threshold and where[i]
+    out = np.empty(n, np.int64)
+    m = 0
+    for i in range(flat.shape[0]):
+        if flat[i] >= threshold and where[i]:
+            out[m] = i
+            m += 1
+    return out

@@ -10,7 +10,7 @@ import math
 import warnings
 from dataclasses import replace
 from pathlib import Path
-from typing import Final, Literal
+from typing import TYPE_CHECKING, Final, Literal
 
 import numpy as np
 
@@ -24,7 +24,9 @@ from palms.io.poses import pose_log
 from palms.io.registry import Format
 from palms.io.values import StrPath, parse_number
 from palms.io.walk import RecordedWalk, WalkSource
-from palms.localizer import Track
+
+if TYPE_CHECKING:
+    from palms.localizer import Track
 
 __all__ = ["FORMAT", "read_tum", "write_tum", "write_walk_tum"]
 
@@ -189,7 +191,7 @@ def write_tum(track: Track, path: StrPath) -> None:
     --------
     >>> import tempfile
     >>> import numpy as np
-    >>> from palms import Estimate, Stage
+    >>> from palms import Estimate, Stage, Track
     >>> from palms.io import read_text
     >>> answer = Estimate(1.0, Stage.LOCALIZED, np.array([2.0, 3.5]), np.pi / 2)
     >>> with tempfile.TemporaryDirectory() as folder:

@@ -153,20 +153,25 @@ def search(
     settings = settings or ObservationSettings()
     maps = likelihoods(scan, raster, settings)
     inside = maps.inside
-    best, found = -np.inf, []
+    best, least = -np.inf, -np.inf
+    at, label, score = np.empty(0, np.int64), np.empty(0, np.int32), np.empty(0, np.float32)
     for k, scores in enumerate(maps):
-        best = max(best, float(scores.max(where=inside, initial=-np.inf)))
-        here = np.argwhere(inside & (scores >= best - settings.search_nats)).astype(np.int32)
-        found.append((here, np.full(len(here), k, np.int32), scores[here[:, 0], here[:, 1]]))
-    at, label, score = (np.concatenate(part) for part in zip(*found, strict=True))
-    least = best - settings.search_nats
-    if len(score) > settings.max_candidates:
-        least = max(least, float(select.nth_largest(score, settings.max_candidates)))
-    keep = np.flatnonzero(score >= least)
+        best = max(best, float(select.peak(scores, inside)))
+        least = max(least, best - settings.search_nats)
+        here = select.at_least_inside(scores, inside, np.float32(least))
+        at, score = np.concatenate([at, here]), np.concatenate([score, scores.ravel()[here]])
+        label = np.concatenate([label, np.full(len(here), k, np.int32)])
+        last = k == len(maps) - 1
+        if len(score) > (1 if last else 2) * settings.max_candidates:
+            least = max(least, float(select.nth_largest(score, settings.max_candidates)))
+            enough = score >= least
+            at, label, score = at[enough], label[enough], score[enough]
+    keep = np.flatnonzero(score >= best - settings.search_nats)
+    cells = np.stack(np.unravel_index(at[keep], inside.shape), axis=1).astype(np.int32)
     log_weight = settings.search_power * (score[keep].astype(np.float64) - best)
     n_drifts = round(2 * math.pi / settings.drift_step_rad)
     return Candidates(
-        maps.grid, maps.drifts_rad, at[keep], label[keep], score[keep],
+        maps.grid, maps.drifts_rad, cells, label[keep], score[keep],
         log_weight - math.log(np.exp(log_weight).sum()),
         drift_step_rad=settings.drift_step_rad, n_poses=int(inside.sum()) * n_drifts,
     )  # fmt: skip

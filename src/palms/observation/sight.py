@@ -7,13 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import ndimage
 
 from palms._compiled import raster as cells
 from palms.floorplan import SegmentClass
 from palms.geometry import FloatArray, as_readonly
 from palms.grid import Grid
-from palms.raster import PlanRaster
+from palms.raster import PlanRaster, away_cells
 from palms.settings import ObservationSettings
 
 __all__ = ["Blurred", "Field", "Sight", "blurred", "see"]
@@ -23,6 +22,8 @@ OF_CLASS = {  # ours: what a wall of a class may explain, and what it counts in 
     SegmentClass.DOOR: (0.5, 0.0),  # shut or open
     SegmentClass.GLASS: (0.5, 0.2),  # seldom seen
 }
+
+FAR = 9.5  # standard deviations from a wall where it explains nothing, to the last bit
 
 Field = npt.NDArray[np.float32]
 
@@ -128,20 +129,25 @@ def _frame(grid: Grid) -> FloatArray:
 
 def _fields(raster: PlanRaster, sd: float, rare: float) -> tuple[Field, Field]:
     """Support and metres, cell by cell."""
-    grid = raster.grid
-    support, counted = (np.zeros(grid.shape, np.float32) for _ in range(2))
+    support, counted = (np.zeros(raster.grid.shape, np.float32) for _ in range(2))
     for kind, (explains, counts) in OF_CLASS.items():
-        segments = raster.plan.of_class(kind)
-        if not len(segments):
+        if not len(raster.plan.of_class(kind)):
             continue
-        metres = np.zeros(grid.shape, np.float32)
-        flat = np.ascontiguousarray((segments - grid.origin_m).reshape(-1, 4))
-        cells.add_lengths(flat, np.ones(len(flat)), grid.cell_size_m, True, metres)
-        away = ndimage.distance_transform_edt(metres <= 0) * grid.cell_size_m
-        near = explains * (1 - rare) * np.exp(-0.5 * (away / sd) ** 2) + rare
-        np.maximum(support, np.log(near / rare), out=support)
-        counted += counts * np.minimum(metres, math.sqrt(2)) / grid.cell_size_m
+        metres, away_m = _of_class(raster, kind)
+        at = away_m < FAR * sd
+        near = explains * (1 - rare) * np.exp(-0.5 * (away_m[at] / sd) ** 2) + rare
+        support[at] = np.maximum(support[at], np.log(near / rare))
+        counted += counts * np.minimum(metres, math.sqrt(2)) / raster.grid.cell_size_m
     return support, counted
+
+
+def _of_class(raster: PlanRaster, kind: SegmentClass) -> tuple[Field, FloatArray]:
+    """Cells' worth of wall of a class in each cell, and how far each cell lies from any."""
+    grid = raster.grid
+    metres = np.zeros(grid.shape, np.float32)
+    flat = np.ascontiguousarray((raster.plan.of_class(kind) - grid.origin_m).reshape(-1, 4))
+    cells.add_lengths(flat, np.ones(len(flat)), grid.cell_size_m, True, metres)
+    return metres, away_cells(metres <= 0) * grid.cell_size_m
 
 
 def _walls(raster: PlanRaster, metres: Field) -> tuple[npt.NDArray[np.int32], int]:
