@@ -1,11 +1,21 @@
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
-from palms.belief import Belief, Estimate, Stage, hypotheses, settle, summarize
+from palms.belief import (
+    Belief,
+    Estimate,
+    Stage,
+    gathered_m,
+    hypotheses,
+    settle,
+    summarize,
+)
 from palms.odometry import Move
 from palms.particles import Particles
 from palms.randomness import as_key
-from palms.settings import ConvergenceSettings, Settings
+from palms.settings import AnswerSettings, ConvergenceSettings, Settings
 
 KEY, STILL = as_key(0), Move(1.0, 0.0, 0.0)
 PAPER = ConvergenceSettings()
@@ -119,3 +129,28 @@ def test_hypotheses_turn_with_the_drift():
         np.zeros((n, 2)), np.full(n, 2 * np.pi + 0.5), np.ones(n), np.zeros(n), np.full(n, 1 / n)
     )
     assert hypotheses(Belief(particles))[0].drift_rad == pytest.approx(0.5)
+
+
+@given(st.lists(st.floats(0.0, 60.0), min_size=2, max_size=2), st.floats(0.5, 1.0))
+def test_stated_radii_keep_their_order_and_never_grow(radii_m, local_spread):
+    near, far = sorted(radii_m)
+    stated = [gathered_m(each, local_spread) for each in (near, far)]
+    assert stated[0] <= stated[1] + 1e-12
+    assert local_spread * near <= stated[0] + 1e-12
+    assert stated[0] <= near
+    assert gathered_m(far + 4.0, local_spread) == far + 4.0
+
+
+def test_only_what_is_local_is_drawn_in():
+    particles = Particles(
+        [[0.0, 0.0], [1.5, 0.0], [-1.5, 0.0], [30.0, 0.0]], np.zeros(4), np.ones(4),
+        np.zeros(4), [0.4, 0.25, 0.25, 0.1],
+    )  # fmt: skip
+    belief = Belief(particles, answering=np.array([True, True, True, False]))
+    whole, drawn_in = (
+        summarize(belief, 0.0, None, AnswerSettings(local_spread=spread)) for spread in (1.0, 0.6)
+    )
+    assert (whole.p_within_1m, drawn_in.p_within_1m) == pytest.approx((0.4, 0.9))
+    assert whole.p_within_2m == drawn_in.p_within_2m == pytest.approx(0.9)
+    assert (whole.radius_68_m, drawn_in.radius_68_m) == pytest.approx((1.5, 0.9))
+    assert whole.radius_95_m == drawn_in.radius_95_m == pytest.approx(30.0)

@@ -22,6 +22,7 @@ from palms.settings import AnswerSettings, ConvergenceSettings
 __all__ = ["Belief", "Estimate", "Hypothesis", "Spots", "Stage", "settle", "summarize"]
 
 N_SPOTS = 5  # ours: as many as are told, unless the settings ask for more
+LOCAL_M = 2.0  # ours: what lies nearer to the answer is the same place, as in p_within_2m
 _SETTLE = 6  # purpose of random numbers, after those of particles.py
 
 
@@ -314,12 +315,29 @@ def summarize(
     drift, sure = belief.drift_rad, 1 - belief.doubt
     heading = None if heading_odom_rad is None else float(wrap_angle(heading_odom_rad + drift))
     radius_68, radius_95 = belief.radii_m(min(0.68 / sure, 1.0), min(0.95 / sure, 1.0))
+    local = settings.local_spread
     return Estimate(
         time_s, belief.stage, belief.answer_m, heading, drift,
-        sure * belief.share_within(1.0), sure * belief.share_within(2.0),
-        radius_68, radius_95,
+        sure * belief.share_within(1.0 / local), sure * belief.share_within(2.0),
+        gathered_m(radius_68, local), gathered_m(radius_95, local),
         hypotheses(belief, settings.hypotheses, settings.hypothesis_radius_m),
     )  # fmt: skip
+
+
+def gathered_m(radius_m: float, local_spread: float) -> float:
+    """Return a radius of the belief as it is stated: what is local counts in part.
+
+    Within 2 m it counts by `local_spread`, from 4 m on, where other places lie, in full.
+
+    Examples
+    --------
+    >>> [round(gathered_m(radius_m, 0.6), 2) for radius_m in (1.0, 2.0, 3.0, 4.0, 25.0)]
+    [0.6, 1.2, 2.6, 4.0, 25.0]
+    """
+    if radius_m <= LOCAL_M:
+        return local_spread * radius_m
+    beyond = min(radius_m / LOCAL_M - 1, 1.0)
+    return radius_m - (1 - beyond) * (1 - local_spread) * LOCAL_M
 
 
 def hypotheses(belief: Belief, n: int = N_SPOTS, radius_m: float = 2.0) -> tuple[Hypothesis, ...]:

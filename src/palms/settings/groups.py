@@ -355,11 +355,16 @@ class AnswerSettings:
         Radius of such a place (ours: as `p_within_2m`).
     heading_move_m : float
         Shorter moves give no heading (ours).
+    local_spread : float
+        So much of the belief's spread within 2 m of the answer counts in `p_within_1m` and in
+        the radii: it is mostly the width of a corridor, of which walkers keep to the middle
+        (1: paper; 0.6: ours, fitted).
     """
 
     hypotheses: int = 5
     hypothesis_radius_m: float = 2.0
     heading_move_m: float = 0.05
+    local_spread: float = 1.0
 
     def __post_init__(self) -> None:
         check(
@@ -369,4 +374,5 @@ class AnswerSettings:
                 self.hypothesis_radius_m > 0, "above 0 m", self.hypothesis_radius_m
             ),
             heading_move_m=(self.heading_move_m >= 0, "0 m or more", self.heading_move_m),
+            local_spread=(0.5 <= self.local_spread <= 1, "0.5 to 1", self.local_spread),
         )  # fmt: skip

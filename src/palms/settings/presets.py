@@ -28,6 +28,7 @@ METHODS = ("palms", "paper", "authors", "uniform", "uniform-ori", "no-scan")
 
 
 _START = StartSettings(source="posterior", n_particles=30_000)
+_ANSWER = AnswerSettings(local_spread=0.6)
 _RESAMPLING = ResamplingSettings("adaptive")
 _DECLARATION = DeclarationSettings("probability")
 _VIO = MotionSettings(
@@ -73,7 +74,7 @@ class Settings:
     start: StartSettings = _START
     motion: MotionSettings = _VIO
     convergence: ConvergenceSettings = field(default_factory=ConvergenceSettings)
-    answer: AnswerSettings = field(default_factory=AnswerSettings)
+    answer: AnswerSettings = _ANSWER
     observation: ObservationSettings = field(default_factory=ObservationSettings)
     resampling: ResamplingSettings = _RESAMPLING
     declaration: DeclarationSettings = _DECLARATION
@@ -86,7 +87,7 @@ class Settings:
         return cls(
             "paper", start=StartSettings(), motion=MotionSettings(),
             resampling=ResamplingSettings(), declaration=DeclarationSettings(),
-            inertial=MotionSettings(),
+            inertial=MotionSettings(), answer=AnswerSettings(),
         )  # fmt: skip
 
     @classmethod
