@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -75,7 +76,7 @@ def trials() -> Iterator[Curve]:
             return lambda: list(track_trials(plan, scan(), moves, settings, range(n), jobs))
 
         follow(2)()
-        times = tuple(timed_ms(follow(n)) for n in TRIALS)
+        times = tuple(timed_ms(follow(n), time.perf_counter) for n in TRIALS)
         yield Curve("trials", f"{jobs} core{'s' * (jobs > 1)}", TRIALS, times)
 
 
