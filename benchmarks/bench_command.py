@@ -31,6 +31,11 @@ def run(*words: str) -> str:
     return done.stdout
 
 
+def peak_mb(*words: str) -> float:
+    """Peak memory of a process with these words."""
+    return int(run("-c", PEAK, sys.executable, *words)) * 1024 / 1e6
+
+
 def cases() -> list[Case]:
     folder = sample_folder()
     walk = next((folder / "trajectories").glob("*/*/*.json"))
@@ -43,6 +48,5 @@ def cases() -> list[Case]:
         Case("palms track on the sample, 400 walls", lambda: run(*track), 1000.0,
              lambda: run("-c", HEAVY), "importing numpy, scipy.fft, numba, shapely",
              clock=wall),
-        Case("its peak memory", lambda: int(run("-c", PEAK, sys.executable, *track)) / 1e3, 200.0,
-             unit="MB"),
+        Case("its peak memory", lambda: peak_mb(*track), 200.0, unit="MB"),
     ]  # fmt: skip

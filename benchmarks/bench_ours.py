@@ -1,5 +1,7 @@
 """The default method: a scan, a step with its judgement, a whole walk."""
 
+from itertools import islice
+
 from benchmarks import naive
 from benchmarks.harness import Case
 from benchmarks.populations import KEY, MOVE
@@ -10,8 +12,18 @@ from palms.localizer import Localizer, locate
 from palms.observation import scan_points, search
 from palms.particles import advance
 from palms.population import adapted, start_posterior
-from palms.posterior import judged
+from palms.posterior import Posterior, judged
 from palms.settings import Settings
+
+
+def on_the_way(found: Posterior, n: int) -> Belief:
+    """The belief after some moves."""
+    localizer = Localizer(raster(), Settings(), 0)
+    localizer.start(found, scan())
+    for move in islice(walk().moves(), n):
+        localizer.move(move)
+    assert localizer.belief is not None
+    return localizer.belief
 
 
 def cases() -> list[Case]:
@@ -19,13 +31,14 @@ def cases() -> list[Case]:
     roughly, points = search(scan(), plan), scan_points(scan())
     found = judged(roughly, points, plan, ours.observation)
     start = start_posterior(found, plan, ours, KEY)
-    belief, moves = Belief(start), list(walk().moves())
+    moves = list(walk().moves())
+    belief = on_the_way(found, 20)
 
     def step() -> None:
-        moved, info = advance(start, MOVE, plan, ours.motion, KEY, ours.resampling)
-        few = adapted(moved, plan, ours.resampling, len(start), KEY, count=False)
+        moved, info = advance(belief.particles, MOVE, plan, ours.motion, KEY, ours.resampling)
+        same = adapted(moved, plan, ours.resampling, len(start), KEY, count=False)
         nats = evidence_of(MOVE.length_m, info, ours.declaration)
-        summarize(judge(belief, few, ours.declaration, nats), 1.0, 0.0, ours.answer)
+        summarize(judge(belief, same, ours.declaration, nats), 1.0, 0.0, ours.answer)
 
     def follow() -> None:
         localizer = Localizer(plan, ours, 0)

@@ -21,10 +21,10 @@ TOO_LONG_S = 6.0  # a case of a few long rounds
 class Case:
     """One line of the table.
 
-    `ours` is timed by the processor's clock, which counts only its own work, or by the `wall`'s
-    where processes are started; with a `unit` it returns the figure instead. `baseline` is another way to
-    do the same work, run in turns with ours; `goal` is what we want on the reference machine (a
-    core of about 3 GHz), None where there is none.
+    `ours` is timed by the processor's clock, which counts only its own work, or by the wall's
+    where processes are started; with a `unit` it returns the figure instead. `baseline` is
+    another way to do the same work, run in turns with ours; `goal` is what we want on the
+    reference machine (a core of about 3 GHz), None where there is none.
     """
 
     name: str
