@@ -1,36 +1,34 @@
-"""Templates, correlation, threshold, sampling."""
+"""Correlation of plan and scan, templates included."""
 
 import numpy as np
 from scipy.signal import fftconvolve
 
 from benchmarks.harness import Case
-from benchmarks.world import raster, scan
-from palms._compiled import select
-from palms.heatmap import find_candidates, match, scan_drifts
-from palms.particles import start_from
-from palms.randomness import as_key
-from palms.template import build_template
+from benchmarks.world import campus, raster, scan
+from palms.heatmap import Heatmaps, match, scan_drifts
+from palms.settings import RasterSettings
+
+KILOMETRE = RasterSettings(cell_size_m=0.2, max_cells=30_000_000)
+
+
+def plainly(maps: Heatmaps) -> None:
+    """As scipy does it, in single precision."""
+    for k in range(len(maps)):
+        turned = np.ascontiguousarray(maps.template(k).values[::-1, ::-1])
+        fftconvolve(maps.raster.density, turned, mode="same")
 
 
 def cases() -> list[Case]:
-    plan, drifts = raster(), scan_drifts(scan(), raster())
-    four = match(scan(), plan, drifts)
-    circle = match(scan(), plan, np.arange(72) * 2 * np.pi / 72)
-    scores = np.stack(list(four)).ravel()
-    candidates = find_candidates(four)
-
-    def slow_maps() -> None:
-        for k in range(4):
-            fftconvolve(plan.density, four.template(k).values[::-1, ::-1], mode="same")
-
+    floor = raster()
+    wide = campus(1000.0, KILOMETRE)
+    circle = match(scan(), floor, np.arange(72) * 2 * np.pi / 72)
+    four, large = (match(scan(), plan, scan_drifts(scan(), floor)) for plan in (floor, wide))
     return [
-        Case("template RW - alpha CES", lambda: build_template(scan(), float(drifts[1]), 0.1)),
-        Case("4 heatmaps, templates included", lambda: list(four), 25.0, slow_maps,
-             "scipy.signal.fftconvolve"),
-        Case("72 heatmaps, one at a time", lambda: sum(1 for _ in circle)),
-        Case("99 % threshold of 4 maps",
-             lambda: select.nth_largest(scores, scores.size // 100), None,
-             lambda: np.partition(scores, scores.size - scores.size // 100), "np.partition"),
-        Case("candidates of 4 maps, all included", lambda: find_candidates(four)),
-        Case("sample 2,000 particles", lambda: start_from(candidates, 2000, as_key(0), False)),
+        Case(name, lambda m=maps: sum(1 for _ in m), goal, lambda m=maps: plainly(m),
+             "scipy.signal.fftconvolve")
+        for name, goal, maps in (
+            ("4 heatmaps, 1100 x 600 cells", 12.0, four),
+            ("72 heatmaps, 1100 x 600 cells", 200.0, circle),
+            ("4 heatmaps, 1 km x 1 km at 0.2 m", 1500.0, large),
+        )
     ]  # fmt: skip

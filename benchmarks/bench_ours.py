@@ -1,20 +1,29 @@
-"""Our method: the search of a scan, the start, a step with its judgement, a whole walk."""
+"""The default method: a scan, a step with its judgement, a whole walk."""
 
+from itertools import islice
+
+from benchmarks import naive
 from benchmarks.harness import Case
+from benchmarks.populations import KEY, MOVE
 from benchmarks.world import raster, scan, walk
-from palms.belief import Belief
+from palms.belief import Belief, summarize
 from palms.declaration import evidence_of, judge
-from palms.localizer import Localizer
+from palms.localizer import Localizer, locate
 from palms.observation import scan_points, search
-from palms.odometry import Move
 from palms.particles import advance
 from palms.population import adapted, start_posterior
-from palms.posterior import judged
-from palms.randomness import as_key
+from palms.posterior import Posterior, judged
 from palms.settings import Settings
 
-MOVE = Move(1.0, 0.6, 0.0, duration_s=0.5)
-KEY = as_key(0)
+
+def on_the_way(found: Posterior, n: int) -> Belief:
+    """The belief after some moves."""
+    localizer = Localizer(raster(), Settings(), 0)
+    localizer.start(found, scan())
+    for move in islice(walk().moves(), n):
+        localizer.move(move)
+    assert localizer.belief is not None
+    return localizer.belief
 
 
 def cases() -> list[Case]:
@@ -22,12 +31,14 @@ def cases() -> list[Case]:
     roughly, points = search(scan(), plan), scan_points(scan())
     found = judged(roughly, points, plan, ours.observation)
     start = start_posterior(found, plan, ours, KEY)
-    belief, moves = Belief(start), list(walk().moves())
+    moves = list(walk().moves())
+    belief = on_the_way(found, 20)
 
     def step() -> None:
-        moved, info = advance(start, MOVE, plan, ours.motion, KEY, ours.resampling)
-        few = adapted(moved, plan, ours.resampling, len(start), KEY)
-        judge(belief, few, ours.declaration, evidence_of(MOVE.length_m, info, ours.declaration))
+        moved, info = advance(belief.particles, MOVE, plan, ours.motion, KEY, ours.resampling)
+        same = adapted(moved, plan, ours.resampling, len(start), KEY, count=False)
+        nats = evidence_of(MOVE.length_m, info, ours.declaration)
+        summarize(judge(belief, same, ours.declaration, nats), 1.0, 0.0, ours.answer)
 
     def follow() -> None:
         localizer = Localizer(plan, ours, 0)
@@ -35,10 +46,15 @@ def cases() -> list[Case]:
         for move in moves:
             localizer.move(move)
 
+    by = (MOVE.dx_m, MOVE.dy_m)
     return [
-        Case("search of a scan, all drifts", lambda: search(scan(), plan), 100.0),
-        Case("60,000 poses judged", lambda: judged(roughly, points, plan, ours.observation)),
+        Case("heatmaps of a scan, all drifts, searched", lambda: search(scan(), plan), 100.0),
+        Case("60,000 poses looked at, 20,000 judged",
+             lambda: judged(roughly, points, plan, ours.observation)),
+        Case("all that a scan takes", lambda: locate(plan, scan(), ours)),
         Case("start: 30,000 particles drawn", lambda: start_posterior(found, plan, ours, KEY)),
-        Case("first step of 30,000 particles, judged", step),
-        Case("walk of 252 steps, method palms", follow),
-    ]
+        Case("step of 30,000 particles, with its report", step, 3.0,
+             lambda: naive.step(start.position_m, start.drift_rad, by, plan.walls.segments),
+             "naive numba, the move alone"),
+        Case("walk of 252 steps where nothing is decided", follow),
+    ]  # fmt: skip

@@ -2,87 +2,119 @@
 
 from __future__ import annotations
 
-import json
 import platform
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-ROUNDS = 7
-BUDGET_S = 1.5  # per case
+from palms.io import write_json
+from palms.io.files import make_folder
+
+ROUNDS, FEWEST, MOST = 7, 3, 400
+BUDGET_S = 1.2  # per case
+TOO_LONG_S = 6.0  # a case of a few long rounds
 
 
 @dataclass(frozen=True)
 class Case:
     """One line of the table.
 
-    `baseline` is another way to do the same work, run in turns with ours; `goal_ms` is what
-    we want on the reference machine (a core of about 3 GHz), None where there is no goal.
+    `ours` is timed by the processor's clock, which counts only its own work, or by the wall's
+    where processes are started; with a `unit` it returns the figure instead. `baseline` is
+    another way to do the same work, run in turns with ours; `goal` is what we want on the
+    reference machine (a core of about 3 GHz), None where there is none.
     """
 
     name: str
     ours: Callable[[], object]
-    goal_ms: float | None = None
+    goal: float | None = None
     baseline: Callable[[], object] | None = None
     baseline_name: str = ""
+    unit: str = "ms"
+    clock: Callable[[], float] = time.process_time
 
 
 @dataclass(frozen=True)
 class Result:
+    """What a case came to; `ratio` is how many times faster than the baseline."""
+
     name: str
-    min_ms: float
-    median_ms: float
-    goal_ms: float | None
-    baseline_name: str
-    baseline_min_ms: float | None
+    unit: str
+    minimum: float
+    median: float
+    goal: float | None
+    baseline: str = ""
+    baseline_minimum: float | None = None
 
     @property
-    def verdict(self) -> str:
-        if self.goal_ms is None:
+    def ratio(self) -> float | None:
+        return None if self.baseline_minimum is None else self.baseline_minimum / self.minimum
+
+    @property
+    def met(self) -> str:
+        if self.goal is None:
             return ""
-        return "yes" if self.min_ms <= self.goal_ms else "no"
+        return "yes" if self.minimum <= self.goal else f"no, {self.minimum / self.goal:.2g} times"
 
 
 def measure(case: Case) -> Result:
     """Run ours and the baseline in turns; the first run of each is not counted."""
+    if case.unit != "ms":
+        figure = float(case.ours())  # type: ignore[arg-type]
+        return Result(case.name, case.unit, figure, figure, case.goal)
     functions = [case.ours] + ([case.baseline] if case.baseline else [])
-    times: list[list[float]] = [[] for _ in functions]
     for function in functions:
         function()
-    end = time.perf_counter() + BUDGET_S
-    while len(times[0]) < ROUNDS or time.perf_counter() < end:
+    times: list[list[float]] = [[] for _ in functions]
+    start = time.perf_counter()
+    while not _enough(len(times[0]), time.perf_counter() - start):
         for k, function in enumerate(functions):
-            start = time.perf_counter()
-            function()
-            times[k].append(1e3 * (time.perf_counter() - start))
-        if len(times[0]) >= 400 or (len(times[0]) >= ROUNDS and time.perf_counter() > end):
-            break
-    other = min(times[1]) if case.baseline else None
+            times[k].append(timed_ms(function, case.clock))
+    baseline = (case.baseline_name, min(times[1])) if case.baseline else ("", None)
     return Result(
-        case.name,
-        min(times[0]),
-        statistics.median(times[0]),
-        case.goal_ms,
-        case.baseline_name,
-        other,
+        case.name, case.unit, min(times[0]), statistics.median(times[0]), case.goal, *baseline
     )
 
 
-def table(results: list[Result]) -> str:
+def _enough(rounds: int, spent_s: float) -> bool:
+    if rounds < FEWEST:
+        return False
+    return rounds >= MOST or spent_s > (BUDGET_S if rounds >= ROUNDS else TOO_LONG_S)
+
+
+def timed_ms(
+    function: Callable[[], object], clock: Callable[[], float] = time.process_time
+) -> float:
+    """Time of one call."""
+    start = clock()
+    function()
+    return 1e3 * (clock() - start)
+
+
+def quickest_ms(function: Callable[[], object], budget_s: float = 0.4) -> float:
+    """Minimum of a few calls after one that is not counted."""
+    function()
+    times, end = [timed_ms(function)], time.perf_counter() + budget_s
+    while len(times) < FEWEST or (time.perf_counter() < end and len(times) < MOST):
+        times.append(timed_ms(function))
+    return min(times)
+
+
+def table(results: Sequence[Result]) -> str:
     """The results as Markdown."""
     lines = [
-        "| work | min ms | median ms | goal ms | met | baseline | its min ms | ratio |",
-        "|---|---:|---:|---:|---|---|---:|---:|",
+        "| work | min | median | unit | goal | met | baseline | its min | ratio |",
+        "|---|---:|---:|---|---:|---|---|---:|---:|",
     ]
     for r in results:
-        other = "" if r.baseline_min_ms is None else f"{r.baseline_min_ms:.3g}"
-        ratio = "" if r.baseline_min_ms is None else f"{r.baseline_min_ms / r.min_ms:.1f}"
-        goal = "" if r.goal_ms is None else f"{r.goal_ms:g}"
+        goal = "" if r.goal is None else f"{r.goal:g}"
+        other = "" if r.baseline_minimum is None else f"{r.baseline_minimum:.3g}"
+        ratio = "" if r.ratio is None else f"{r.ratio:.2g}"
         lines.append(
-            f"| {r.name} | {r.min_ms:.3g} | {r.median_ms:.3g} | {goal} | {r.verdict} "
-            f"| {r.baseline_name} | {other} | {ratio} |"
+            f"| {r.name} | {r.minimum:.3g} | {r.median:.3g} | {r.unit} | {goal} | {r.met} "
+            f"| {r.baseline} | {other} | {ratio} |"
         )
     return "\n".join(lines)
 
@@ -105,7 +137,8 @@ def machine_words() -> str:
     return ", ".join(f"{name} {value}" for name, value in machine().items())
 
 
-def write(results: list[Result], path: Path) -> None:
-    """Write the results as JSON."""
-    rows = [r.__dict__ | {"met": r.verdict} for r in results]
-    path.write_text(json.dumps({"machine": machine(), "results": rows}, indent=1) + "\n")
+def write(results: Sequence[Result], curves: Sequence[object], path: Path) -> None:
+    """Write results and curves as JSON."""
+    rows = [r.__dict__ | {"ratio": r.ratio, "met": r.met} for r in results]
+    make_folder(path.parent)
+    write_json(path, {"machine": machine(), "results": rows, "curves": list(curves)})

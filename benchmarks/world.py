@@ -11,6 +11,7 @@ from palms.floorplan import FloorPlan
 from palms.odometry import Odometry
 from palms.raster import PlanRaster, rasterize
 from palms.scan import Scan
+from palms.settings import RasterSettings
 
 WIDTH_M, HEIGHT_M, DOOR_M = 110.0, 60.0, 0.9
 ROWS = ((0.0, 12.0), (14.5, 29.0), (31.0, 45.5), (48.0, 60.0))  # rooms; corridors between
@@ -40,6 +41,30 @@ def plan() -> FloorPlan:
 def raster() -> PlanRaster:
     """The same, rasterised."""
     return rasterize(plan())
+
+
+@cache
+def campus(side_m: float, settings: RasterSettings | None = None) -> PlanRaster:
+    """The same floor again and again on a square of some size, cut off at its border."""
+    wide, high = (int(np.ceil(side_m / (n + 4.0))) for n in (WIDTH_M, HEIGHT_M))
+    one = plan().segments_m
+    shifts = [(i * (WIDTH_M + 4.0), k * (HEIGHT_M + 4.0)) for i in range(wide) for k in range(high)]
+    walls = np.concatenate([one + shift for shift in shifts])
+    walls = walls[(walls <= side_m).all(axis=(1, 2))]
+    border = np.array([[0, 0], [side_m, 0], [side_m, side_m], [0, side_m]], np.float64)
+    edges = np.stack([border, np.roll(border, -1, axis=0)], axis=1)
+    return rasterize(FloorPlan(np.concatenate([edges, walls]), name="campus"), settings)
+
+
+@cache
+def crowded(n: int) -> PlanRaster:
+    """A floor of 110 x 60 m with so many walls; the more there are, the shorter they are."""
+    rng = np.random.default_rng(n)
+    start = rng.uniform((0, 0), (WIDTH_M, HEIGHT_M), (n, 2))
+    along = np.where(rng.random((n, 1)) < 0.5, (1.0, 0.0), (0.0, 1.0))
+    end = start + along * min(4.0, 1500.0 / n)
+    border = np.array([[[0, 0], [WIDTH_M, 0]], [[0, HEIGHT_M], [WIDTH_M, HEIGHT_M]]])
+    return rasterize(FloorPlan(np.concatenate([border, np.stack([start, end], axis=1)])))
 
 
 @cache

@@ -55,7 +55,7 @@ def _filter() -> dict[str, dict[str, object]]:
     )
     weights, index = np.array([0.1, 0.0, 0.6, 0.3]), np.empty(6, np.int64)
     loops.systematic(weights, 6, 0.25, index)
-    sums, place = np.empty((2, 5)), np.array([0, 1, -1, 0])
+    sums, place = np.empty((2, 5)), np.array([0, 1, -1, 0], np.int8)
     loops.gathered(position, drift, weights, place, sums)
     given = {
         "position": position.tolist(), "drift": drift.tolist(), "scale": scale.tolist(),

@@ -21,6 +21,7 @@ from palms.settings import AnswerSettings, ConvergenceSettings
 
 __all__ = ["Belief", "Estimate", "Hypothesis", "Spots", "Stage", "settle", "summarize"]
 
+RADII_M = (1.0, 2.0)  # what every answer tells the shares of
 N_SPOTS = 5  # ours: as many as are told, unless the settings ask for more
 LOCAL_M = 2.0  # ours: what lies nearer to the answer is the same place, as in p_within_2m
 _SETTLE = 6  # purpose of random numbers, after those of particles.py
@@ -68,14 +69,14 @@ class Spots(NamedTuple):
     ----------
     radius_m : float
         Of each.
-    place : (N,) int64
+    place : (N,) int8
         The spot that each particle belongs to, or -1.
     shares : (K,)
         Weight of each spot; 0 of those that were not found.
     """
 
     radius_m: float
-    place: npt.NDArray[np.int64]
+    place: npt.NDArray[np.int8]
     shares: FloatArray
 
     @classmethod
@@ -145,7 +146,7 @@ class Belief:
             return []
         return self.particles.mean_poses(self.spots.place, len(self.spots.shares))
 
-    @cached_property
+    @property
     def away_m(self) -> FloatArray:
         """Distance (N,) of each particle from the answer."""
         away, (x, y) = np.empty(len(self.particles)), self.answer_m
@@ -154,22 +155,28 @@ class Belief:
 
     def share_within(self, radius_m: float) -> float:
         """Share of the weight within a radius of the answer."""
-        if radius_m not in self._within:
-            share = float(clusters.weight_within(self.away_m, self.particles.weight, radius_m))
-            self._within[radius_m] = min(share, 1.0)  # weights sum to 1 but for rounding
-        return self._within[radius_m]
+        if radius_m in RADII_M:
+            return self._nearness[RADII_M.index(radius_m)]
+        return self._share(self.away_m, radius_m)
 
-    def radii_m(self, *shares: float) -> tuple[float, ...]:
-        """Radii of the discs around the answer that hold shares of the weight."""
-        radii = np.empty(len(shares))
-        clusters.weighted_quantiles(
-            self.away_m, self.particles.weight, np.array(shares), radii
-        )  # fmt: skip
-        return tuple(radii.tolist())
+    @property
+    def radii_m(self) -> tuple[float, float]:
+        """Radii of the discs around the answer that hold 68 % and 95 %, doubt taken off."""
+        return self._nearness[2:]
 
     @cached_property
-    def _within(self) -> dict[float, float]:
-        return {}
+    def _nearness(self) -> tuple[float, float, float, float]:
+        """Shares within `RADII_M` and the radii: all that needs the distances, which are many."""
+        away, sure = self.away_m, 1 - self.doubt
+        shares = np.array([min(share / sure, 1.0) for share in (0.68, 0.95)])
+        radii = np.empty(2)
+        clusters.weighted_quantiles(away, self.particles.weight, shares, radii)
+        one, two = (self._share(away, radius_m) for radius_m in RADII_M)
+        return one, two, float(radii[0]), float(radii[1])
+
+    def _share(self, away_m: FloatArray, radius_m: float) -> float:
+        share = float(clusters.weight_within(away_m, self.particles.weight, radius_m))
+        return min(share, 1.0)  # weights sum to 1 but for rounding
 
 
 def settle(
@@ -314,7 +321,7 @@ def summarize(
     settings = settings or AnswerSettings()
     drift, sure = belief.drift_rad, 1 - belief.doubt
     heading = None if heading_odom_rad is None else float(wrap_angle(heading_odom_rad + drift))
-    radius_68, radius_95 = belief.radii_m(min(0.68 / sure, 1.0), min(0.95 / sure, 1.0))
+    radius_68, radius_95 = belief.radii_m
     local = settings.local_spread
     return Estimate(
         time_s, belief.stage, belief.answer_m, heading, drift,

@@ -103,14 +103,14 @@ class Particles:
     def mean_pose(self, members: npt.NDArray[np.bool_] | None = None) -> tuple[FloatArray, float]:
         """Weighted mean position (2,), and drift in (-pi, pi], of all or of some of them."""
         member = np.ones(len(self), np.bool_) if members is None else members
-        return self.mean_poses(member.astype(np.int64) - 1, 1)[0]
+        return self.mean_poses(member.astype(np.int8) - 1, 1)[0]
 
-    def mean_poses(self, place: npt.NDArray[np.int64], n: int) -> list[tuple[FloatArray, float]]:
+    def mean_poses(self, place: npt.NDArray[np.int8], n: int) -> list[tuple[FloatArray, float]]:
         """Mean pose of the particles of each of n places; NaN where there are none.
 
         Parameters
         ----------
-        place : (N,) int64
+        place : (N,) int8
             The place that each particle belongs to, or -1.
         n : int
         """

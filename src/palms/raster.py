@@ -150,8 +150,11 @@ def _density(
 def _walls(blocking_m: FloatArray, grid: Grid, indoors: npt.NDArray[np.bool_]) -> loops.Walls:
     cell = grid.cell_size_m
     on_wall = _density(blocking_m, np.ones(len(blocking_m)), grid, spread=False) > 0
-    half_cells = np.floor(2 * away_cells(indoors & ~on_wall))
-    clearance = np.where(indoors, np.clip(half_cells, 1, 255), loops.OUTSIDE)
+    half_cells = away_cells(indoors & ~on_wall)  # from here on in place: plans may be large
+    half_cells *= 2
+    np.clip(half_cells, 1, 255, out=half_cells)
+    clearance = half_cells.astype(np.uint8)
+    clearance[~indoors] = loops.OUTSIDE
     bucket = BUCKET_CELLS * cell
     rows, columns = (-(-n // BUCKET_CELLS) for n in grid.shape)
     start, items = cells.bucket_segments(_flat(blocking_m, grid), bucket, rows, columns, SLACK_M)
@@ -203,9 +206,12 @@ def _within(outline_m: FloatArray, grid: Grid) -> npt.NDArray[np.bool_]:
 
     polygon = shapely.make_valid(shapely.Polygon(outline_m))
     shapely.prepare(polygon)
-    rows, columns = np.indices(grid.shape)
-    centres = grid.position_of(np.stack([rows, columns], axis=-1))
-    return np.asarray(shapely.contains_xy(polygon, centres[..., 0], centres[..., 1]))
+    inside = np.empty(grid.shape, np.bool_)
+    column = np.arange(grid.shape[1])
+    for row in range(grid.shape[0]):
+        x, y = grid.position_of(np.stack([np.full_like(column, row), column], axis=-1)).T
+        inside[row] = shapely.contains_xy(polygon, x, y)
+    return inside
 
 
 def _hull(segments_m: FloatArray) -> FloatArray:

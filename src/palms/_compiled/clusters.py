@@ -217,7 +217,7 @@ def heaviest_places(points, weight, radius, n_places):
 
     Returns
     -------
-    place (N,): the spot each particle belongs to, or -1; shares (n_places,), 0 when unused.
+    place (N,) int8: the spot each particle belongs to, or -1; shares (n_places,), 0 when unused.
     """
     n = points.shape[0]
     _left, _bottom, rows, columns, start, order = _binned(points, radius)
@@ -225,7 +225,7 @@ def heaviest_places(points, weight, radius, n_places):
     for b in range(rows * columns):
         for k in range(start[b], start[b + 1]):
             mass[b] += weight[order[k]]
-    place = np.full(n, -1, np.int64)
+    place = np.full(n, -1, np.int8)
     shares = np.zeros(n_places)
     for spot in range(n_places):
         best, at = 0.0, -1

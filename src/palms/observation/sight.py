@@ -90,10 +90,7 @@ def see(raster: PlanRaster, settings: ObservationSettings) -> Sight:
     if key not in raster.sights:
         support, metres = _fields(raster, settings.wall_sd_m, settings.unexplained_share)
         wall, n_walls = _walls(raster, metres)
-        raster.sights[key] = Sight(
-            raster.grid, as_readonly(support, np.float32), as_readonly(metres, np.float32), wall,
-            n_walls,
-        )  # fmt: skip
+        raster.sights[key] = Sight(raster.grid, support, metres, wall, n_walls)
     sight: Sight = raster.sights[key]
     return sight
 
@@ -137,7 +134,13 @@ def _fields(raster: PlanRaster, sd: float, rare: float) -> tuple[Field, Field]:
         at = away_m < FAR * sd
         near = explains * (1 - rare) * np.exp(-0.5 * (away_m[at] / sd) ** 2) + rare
         support[at] = np.maximum(support[at], np.log(near / rare))
-        counted += counts * np.minimum(metres, math.sqrt(2)) / raster.grid.cell_size_m
+        np.minimum(metres, math.sqrt(2), out=metres)
+        metres *= counts
+        metres /= raster.grid.cell_size_m
+        counted += metres
+        del metres, away_m, at, near  # plans may be large
+    support.setflags(write=False)
+    counted.setflags(write=False)
     return support, counted
 
 
@@ -147,7 +150,9 @@ def _of_class(raster: PlanRaster, kind: SegmentClass) -> tuple[Field, FloatArray
     metres = np.zeros(grid.shape, np.float32)
     flat = np.ascontiguousarray((raster.plan.of_class(kind) - grid.origin_m).reshape(-1, 4))
     cells.add_lengths(flat, np.ones(len(flat)), grid.cell_size_m, True, metres)
-    return metres, away_cells(metres <= 0) * grid.cell_size_m
+    away_m = away_cells(metres <= 0)
+    away_m *= grid.cell_size_m
+    return metres, away_m
 
 
 def _walls(raster: PlanRaster, metres: Field) -> tuple[npt.NDArray[np.int32], int]:
@@ -159,11 +164,14 @@ def _walls(raster: PlanRaster, metres: Field) -> tuple[npt.NDArray[np.int32], in
     flat = np.ascontiguousarray((segments - grid.origin_m).reshape(-1, 4))
     cells.number(flat, grid.cell_size_m, wall)
     wall[metres <= 0] = -1
-    return as_readonly(wall, np.int32), len(segments)
+    wall.setflags(write=False)
+    return wall, len(segments)
 
 
 def _means(field: Field, k: int) -> Field:
     """Means of blocks of k x k cells; beyond the border there is nothing."""
+    if k == 1:
+        return field
     rows, columns = (-(-n // k) for n in field.shape)
     padded = np.pad(field, [(0, rows * k - field.shape[0]), (0, columns * k - field.shape[1])])
     mean: Field = as_readonly(
