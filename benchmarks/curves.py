@@ -23,6 +23,7 @@ from palms.raster import rasterize
 from palms.settings import MotionSettings, Settings
 
 STYLES = ((SCAN, "o", "solid"), (ANSWER, "s", (0, (4, 1.6))), (TRUTH, "^", (0, (1, 1.6))))
+SIDE = "side of the plan in m (1 km: cells of 0.2 m)"
 PARTICLES = (250, 1000, 4000, 16_000, 64_000, 250_000, 1_000_000)
 SIDES_M = (30, 60, 120, 250, 400)
 WALLS = (100, 1000, 10_000, 100_000)
@@ -49,10 +50,10 @@ def curves() -> Iterator[Curve]:
     )  # fmt: skip
     sides = [*SIDES_M, 1000]
     plans = {side: campus(float(side), _cells_of(side)) for side in sides}
-    yield _curve("side of the plan in m", "rasterise", sides,
+    yield _curve(SIDE, "rasterise", sides,
                  lambda side: lambda: rasterize(plans[side].plan, _cells_of(side)))  # fmt: skip
     drifts = scan_drifts(scan(), plan)
-    yield _curve("side of the plan in m", "4 heatmaps", sides,
+    yield _curve(SIDE, "4 heatmaps", sides,
                  lambda side: lambda: list(match(scan(), plans[side], drifts)))  # fmt: skip
     plans.clear()
     yield _curve("walls", "rasterise", WALLS, lambda n: lambda: rasterize(crowded(n).plan))
@@ -118,11 +119,13 @@ def draw(found: Sequence[Curve], path: Path) -> None:
 
 
 def _linear(axes: Any, curve: Curve) -> None:
-    """A grey line that grows as the size does, from the curve's last point down."""
-    size = np.array(curve.size)
-    line = curve.time_ms[-1] * size / size[-1]
+    """A grey line that grows as the size does (a plan: its cells), down from the last point."""
+    size, plan = np.array(curve.size), curve.over == SIDE
+    line = curve.time_ms[-1] * (size / size[-1]) ** (2 if plan else 1)
     axes.loglog(size, line, color=MUTED, linewidth=0.7, zorder=0)
-    axes.annotate("linear", (size[-2], line[-2]), color=INK, fontsize=7, ha="left", va="top")
+    word = "linear in cells" if plan else "linear"
+    axes.annotate(word, (size[-2], line[-2]), (6, -9), textcoords="offset points", color=INK,
+                  fontsize=7)  # fmt: skip
 
 
 def as_json(found: Sequence[Curve]) -> list[dict[str, Any]]:

@@ -237,4 +237,4 @@ def test_stairs_without_area_are_no_stairs():
 def test_far_from_all_sheets_there_is_a_level_all_the_same():
     plans = tuple(replace(two_rooms(), level=name) for name in "1234")
     far = 1e5 * np.array([[-1.0, -1], [-1, 1], [1, -1], [1, 1]])
-    assert Building(plans).atlas.level_of(far).tolist() == [0, 0, 3, 3]
+    assert Building(plans).atlas.level_of(far).tolist() == [0, 3, 0, 3]
