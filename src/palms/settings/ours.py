@@ -288,8 +288,8 @@ class RestartSettings:
     leg_s : float
         So long do they walk straight on, in the mean (ours).
     keep_s : float
-        After this time nothing of the place holds any more in one case of e (ours: a lift,
-        another building, a phone in somebody else's hands).
+        After this time nothing of the place holds any more in 63 % of the cases (ours: a lift,
+        another building, a phone in other hands).
     """
 
     walk_share: float = 0.5
