@@ -145,7 +145,7 @@ def test_a_place_that_was_wrong_is_outvoted_by_the_scan():
     walked(localizer, STEPS, DRIFT, 0.0)
     localizer.restart(1.0)
     there = np.array([6.0, 1.5])
-    for k in range(3):
+    for _ in range(3):
         found = localizer.observe(scan_of(there, 0.3))
     assert np.linalg.norm(found.position_m - there) < 0.5
 
@@ -200,7 +200,11 @@ def test_before_there_is_a_belief_nothing_is_lost():
 @pytest.mark.parametrize("at", [40, 85, 115])
 def test_in_the_sample_building_it_finds_itself_again_and_never_claims_a_wrong_place(at):
     (case,) = open_dataset(sample_folder()).cases
-    plan, odometry, truth = case.plan(), case.walk().odometry(), read_truth(case.folder / "truth.csv")
+    plan, odometry, truth = (
+        case.plan(),
+        case.walk().odometry(),
+        read_truth(case.folder / "truth.csv"),
+    )
     raster, rng, new = rasterize(plan), np.random.default_rng(at), 2.5
     localizer = Localizer(raster, rng=at)
     localizer.observe(case.scan())

@@ -115,7 +115,9 @@ def rasterize(
     density = _weighted(plan, grid, settings)
     np.minimum(density, np.sqrt(2), out=density)  # no cell holds more than one straight wall
     density.setflags(write=False)
-    inside = _inside_each(parts, grid, settings) if parts else _inside(plan, grid, density, settings)
+    inside = (
+        _inside_each(parts, grid, settings) if parts else _inside(plan, grid, density, settings)
+    )
     walls = _walls(plan.blocking_m, grid, _near(inside, settings.margin_m / grid.cell_size_m))
     return PlanRaster(plan, grid, density, inside, walls, settings)
 

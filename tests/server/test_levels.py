@@ -101,9 +101,7 @@ def test_all_levels_of_a_file_are_stored_from_the_lowest_up(rest):
 
 def test_one_level_of_a_file_may_be_chosen(rest):
     def upload(**data):
-        return rest.post(
-            "/api/v1/buildings", files={"file": ("a.geojson", features())}, data=data
-        )
+        return rest.post("/api/v1/buildings", files={"file": ("a.geojson", features())}, data=data)
 
     one = upload(level="1").json()
     assert [level["name"] for level in one["levels"]] == ["1"]
@@ -142,6 +140,26 @@ def test_further_levels_find_their_place(rest):
     assert two.status_code == 422
     assert "one level" in two.json()["error"]
     rest.delete(place)
+
+
+def test_a_building_does_not_change_under_those_who_walk_on_all_of_it(url, phones):
+    phone = phones(url)
+    hello(phone)
+    place = f"{url}/api/v1/buildings/house/levels"
+
+    def add():
+        file = {"file": ("a.csv", b"0,0,8,0\n8,0,8,5\n")}
+        return http.post(place, files=file, data={"level": "2"})
+
+    refused = add()
+    assert refused.status_code == 422
+    assert "end or delete" in refused.json()["error"]
+    phone.say({"type": "end"})
+    phone.until("ended")
+    on_one = phones(url)
+    hello(on_one, level="0", one_level=True)
+    assert [each["name"] for each in add().json()["levels"]] == ["0", "1", "2"]
+    assert on_one.walk(inputs()[:2])["level"] == "0"
 
 
 def test_levels_with_places_on_earth_share_the_frame_of_the_lowest():
@@ -267,7 +285,9 @@ def test_viewers_get_particles_and_maps_with_their_level(url, phones):
     assert (low > -2.5).all()
     assert (high < [22.5, 14.5]).all()
     maps = [each for each in phone.frames if isinstance(each, messages.HeatmapFrame)]
-    assert {(each.number, each.level) for each in maps} == {(k, j) for k in range(4) for j in (0, 1)}
+    assert {(each.number, each.level) for each in maps} == {
+        (k, j) for k in range(4) for j in (0, 1)
+    }
     from PIL import Image
 
     best = {each.level: each for each in maps if each.number == 0}
@@ -280,9 +300,10 @@ def test_viewers_get_particles_and_maps_with_their_level(url, phones):
 
 
 def test_who_comes_later_is_told_the_levels_of_the_path(url, phones, rest):
-    phone, viewer = phones(url), phones(url)
+    phone = phones(url)
     welcome = hello(phone)
     phone.walk(inputs(STEPS[:3]))
+    viewer = phones(url)
     viewer.say({"type": "hello", "role": "viewer", "session": welcome["session"]})
     path = viewer.until("path")
     assert len(path["level"]) == len(path["x_m"]) == 4

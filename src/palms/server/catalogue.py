@@ -153,7 +153,7 @@ class Catalogue:
     async def add_level(
         self, building: str, text: str, name: str, below: str = ""
     ) -> messages.Building:
-        """Add a level to a building; those who walk in it go on without.
+        """Add a level to a building.
 
         Parameters
         ----------
@@ -167,7 +167,8 @@ class Catalogue:
         Raises
         ------
         InputError
-            When there is a level of that name, or too many, or it lies beside the others.
+            When there is a level of that name, or too many, or it lies beside the others; or
+            while sessions or recordings are on all levels, since theirs must stay the same.
         """
         known, plan = [each.name for each in self.building(building).levels], plan_of(text)
         check_size(plan, self._limits)
@@ -178,7 +179,11 @@ class Catalogue:
         row, place = self._rows[building], place_among(known, name, below)
         text = in_frame(plan, stairs_of(text), plan_of(row.levels[0][1]))
         levels = (*row.levels[:place], (name, text), *row.levels[place:])
-        await self._journal.do(self._journal.store.set_levels, building, levels)
+        if not await self._journal.do(self._journal.store.set_levels, building, levels):
+            raise InputError(
+                "building", expected="no session or recording on all of its levels",
+                got="some", fix="end or delete them first",
+            )  # fmt: skip
         self._floors.pop((building, ALL), None)
         return self._keep(replace(row, levels=levels))
 

@@ -137,9 +137,9 @@ class Follower:
         """
         self.seq = message.seq
         events: list[messages.EventKind] = []
-        taken_, error, is_defect = None, None, False
+        held, error, is_defect = None, None, False
         try:
-            taken_ = self._take(message, events)
+            held = self._take(message, events)
         except InputError as problem:
             error = str(problem)
         except Exception:  # whatever it is, the other sessions and this one go on
@@ -149,8 +149,8 @@ class Follower:
         t_s = self._phone_time()
         told = tuple((kind, t_s) for kind in events)
         self._level_known = level_known(self.localizer, self._level_known)
-        scan = taken_ if isinstance(taken_, Scan) else None
-        hint = taken_ if isinstance(taken_, Hint) else None
+        scan = held if isinstance(held, Scan) else None
+        hint = held if isinstance(held, Hint) else None
         return Outcome(self.estimate(), told, scan, hint, error, is_defect)
 
     def _take(

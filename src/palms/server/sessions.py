@@ -124,6 +124,7 @@ class Sessions:
         """
         self._refuse_when_full()
         building, level, terms = self._terms(hello)
+        levels = self.catalogue.levels(building, level)
         floor = await self.catalogue.floor(building, level)
         follower = await in_pool(self._pools.steps, Follower, floor, terms)
         self._refuse_when_full()  # others came while the floor was made
@@ -139,6 +140,9 @@ class Sessions:
         except sqlite3.IntegrityError:
             del self._sessions[row.id]
             raise Refused("unknown", "the building has just been deleted") from None
+        if self.catalogue.levels(building, level) != levels:
+            await self.end(session, "deleted", keep=False)
+            raise Refused("unknown", "the building has just got another level; come again")
         self.metrics.count("sessions_opened_total")
         return session, key
 

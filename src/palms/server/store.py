@@ -225,11 +225,15 @@ class Store:
             )
             _add_levels(write, building.id, building.levels)
 
-    def set_levels(self, building: str, levels: Levels) -> None:
-        """Replace the levels of a building."""
+    def set_levels(self, building: str, levels: Levels) -> bool:
+        """Replace the levels of a building; False while sessions or recordings are on all."""
         with self._transaction() as write:
+            on_all = "SELECT count(*) FROM sessions WHERE building = ? AND level = ''"
+            if write.execute(on_all, (building,)).fetchone()[0]:
+                return False
             write.execute("DELETE FROM levels WHERE building = ?", (building,))
             _add_levels(write, building, levels)
+        return True
 
     def buildings(self) -> list[BuildingRow]:
         """All buildings, oldest first."""
