@@ -52,7 +52,7 @@ def spread_m(away_s: float, settings: RestartSettings) -> float:
     --------
     >>> settings = RestartSettings(speed_m_s=1.2, leg_s=10.0)
     >>> [round(spread_m(away_s, settings), 1) for away_s in (0.0, 1.0, 60.0, 240.0)]
-    [0.0, 0.8, 26.8, 57.6]
+    [0.0, 0.8, 26.8, 57.5]
     """
     legs = away_s / settings.leg_s
     return settings.speed_m_s * settings.leg_s * math.sqrt(max(legs - 1 + math.exp(-legs), 0.0))

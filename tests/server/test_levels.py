@@ -299,7 +299,7 @@ def test_viewers_get_particles_and_maps_with_their_level(url, phones):
     assert np.linalg.norm(place - [20 - START[0], START[1]]) < 0.5
 
 
-def test_who_comes_later_is_told_the_levels_of_the_path(url, phones, rest):
+def test_who_comes_later_is_told_the_levels_of_the_path(url, phones):
     phone = phones(url)
     welcome = hello(phone)
     phone.walk(inputs(STEPS[:3]))
