@@ -1,15 +1,19 @@
 """Buildings of several levels: stored, walked, shown, recorded, simulated."""
 
+import gzip
 import io
 import json
+import os
 import zipfile
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from palms import Stairs
 from palms.building import Building
+from palms.errors import InputError
 from palms.floorplan import FloorPlan, Room
 from palms.geodesy import Origin
 from palms.io import open_dataset
@@ -19,10 +23,13 @@ from palms.server.follower import Follower, Terms
 from palms.server.limits import Limits
 from palms.server.plans import building_of, plan_text, stairs_of
 from palms.server.store import MIGRATIONS, BuildingRow, SessionRow, Store
+from palms.server.workshop import Upload, read_level_texts
 from tests.server.conftest import http, odometry
 from tests.test_building import DRIFT, GROUND, HOUSE, START, STEPS, UPPER, scan_on
 from tests.worlds import walk
 
+DEFAULT = Path(__file__).parents[3] / "shared" / "data"
+IMDF = Path(os.environ.get("PALMS_DATA", DEFAULT)) / "imdf_spbstu"
 TO_STAIRS = [*STEPS[:15], *[(0.6, 0.0)] * 10, *[(0.0, 0.6)] * 5]
 N = 6000
 
@@ -181,6 +188,25 @@ def test_stairs_that_a_file_has_as_such_are_kept():
     assert [each.name for each in stairs_of(levels[0][1])] == ["A7"]
     (joined,) = building_of(levels).stairs
     assert joined.polygon_m.tolist() == lift.polygon_m.tolist()
+
+
+@pytest.mark.skipif(not IMDF.is_dir(), reason=f"no {IMDF}; set PALMS_DATA")
+def test_a_venue_of_a_real_university_is_a_building_with_stairs_and_lifts(tmp_path):
+    with zipfile.ZipFile(tmp_path / "venue.zip", "w") as archive:
+        for path in IMDF.glob("*.geojson.gz"):
+            archive.writestr(path.stem, gzip.decompress(path.read_bytes()))
+    content = (tmp_path / "venue.zip").read_bytes()
+    with pytest.raises(InputError, match="building=NAME"):
+        read_level_texts(Upload("venue.zip", content), "Venue", "")
+    listed = json.loads((IMDF / "levels.json").read_text())
+    name = listed[0]["building"]
+    options = (f"building={name}", "language=en")
+    levels = read_level_texts(Upload("venue.zip", content, None, options), "Venue", "")
+    known = sorted((e["ordinal"], e["name"]) for e in listed if e["building"] == name)
+    building = building_of(levels)
+    assert building.names == tuple(level for _, level in known)
+    assert len({plan.origin for plan in building.levels}) == 1
+    assert {"stairs", "elevator"} <= {each.name.lower() for each in building.stairs}
 
 
 def test_a_session_without_a_level_finds_it(url, phones):

@@ -33,7 +33,7 @@ from palms.settings import RasterSettings
 __all__ = ["Catalogue", "UnknownBuilding"]
 
 MAX_FLOORS = 24  # ours: kept at a time; a level of 100 x 60 m is 10 MB
-MAX_CELLS = 40_000_000  # ours: of all that are kept, but for the latest; 600 MB
+MAX_CELLS = 20_000_000  # ours: of all that are kept, but for the latest; 300 MB
 MAX_LEVELS = 200  # ours
 SAMPLE = "sample"
 

@@ -125,7 +125,10 @@ class Sessions:
         self._refuse_when_full()
         building, level, terms = self._terms(hello)
         levels = self.catalogue.levels(building, level)
-        floor = await self.catalogue.floor(building, level)
+        try:
+            floor = await self.catalogue.floor(building, level)
+        except InputError as error:
+            raise Refused("full", str(error)) from None
         follower = await in_pool(self._pools.steps, Follower, floor, terms)
         self._refuse_when_full()  # others came while the floor was made
         key, now = new_secret(), self._journal.now_s()
