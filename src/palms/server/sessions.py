@@ -127,9 +127,9 @@ class Sessions:
         levels = self.catalogue.levels(building, level)
         try:
             floor = await self.catalogue.floor(building, level)
+            follower = await in_pool(self._pools.steps, Follower, floor, terms)
         except InputError as error:
             raise Refused("full", str(error)) from None
-        follower = await in_pool(self._pools.steps, Follower, floor, terms)
         self._refuse_when_full()  # others came while the floor was made
         key, now = new_secret(), self._journal.now_s()
         records = hello.record and self.may_record
