@@ -15,6 +15,7 @@ from palms.localizer import Happening, Localizer, locate, track, track_trials
 from palms.odometry import Move
 from palms.particles import Particles
 from palms.randomness import as_key
+from palms.raster import rasterize
 from palms.settings import LevelSettings, Settings
 from tests.worlds import seen_from, two_rooms, walk
 
@@ -75,6 +76,27 @@ def test_sheets_lie_farther_apart_than_scans_see():
     low = [HOUSE.atlas.shift_m[k] + plan.bounds_m[0] for k, plan in enumerate(HOUSE.levels)]
     high = [HOUSE.atlas.shift_m[k] + plan.bounds_m[1] for k, plan in enumerate(HOUSE.levels)]
     assert max((low[1] - high[0]).max(), (low[0] - high[1]).max()) > 20
+
+
+@pytest.mark.parametrize("n", [2, 3, 7])
+def test_what_lies_between_sheets_is_not_inside(n):
+    building = Building([replace(GROUND, level=str(k)) for k in range(n)])
+    raster, one = building.atlas.raster(OURS.raster), rasterize(GROUND)
+    cells = raster.grid.position_of(np.argwhere(raster.inside))
+    level = building.atlas.level_of(cells)
+    assert np.bincount(level) == pytest.approx([one.inside.sum()] * n, rel=0.02)
+    low, high = GROUND.bounds_m
+    folded = building.atlas.folded(cells)
+    assert (folded > low - 0.4).all()
+    assert (folded < high + 0.4).all()
+
+
+def test_the_outline_of_a_level_is_that_of_its_sheet():
+    corner = [[0, 0], [8, 0], [8, 12], [0, 12]]
+    part = replace(UPPER, outline_m=corner)
+    raster = Building((GROUND, part)).atlas.raster(OURS.raster)
+    whole = Building((GROUND, UPPER)).atlas.raster(OURS.raster)
+    assert raster.inside.sum() / whole.inside.sum() == pytest.approx((20 + 8) / 40, rel=0.05)
 
 
 def test_one_level_is_as_if_there_were_no_building():

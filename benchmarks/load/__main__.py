@@ -54,7 +54,9 @@ def cpu_s(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / 100
 
 
-def rows(report: dict, arguments: argparse.Namespace, memory: Memory, busy: float) -> list[tuple]:
+def rows(
+    report: dict, arguments: argparse.Namespace, memory: Memory, busy_s: float, took_s: float
+) -> list[tuple]:
     steps, scans = np.array(report["steps_ms"]), np.array(report["scans_ms"])
     settled = memory.mb[int(arguments.start_over) + 5 :] or memory.mb
     third = max(len(settled) // 3, 1)
@@ -71,7 +73,8 @@ def rows(report: dict, arguments: argparse.Namespace, memory: Memory, busy: floa
         ("refused beyond the limit", f"{report['refused']} of {arguments.too_many}"),
         ("server's memory once all are there: first third, last third",
          f"{np.mean(settled[:third]):.0f}, {np.mean(settled[-third:]):.0f} MB"),
-        ("server's share of one core", f"{100 * busy:.0f} %"),
+        ("server's share of one core", f"{100 * busy_s / took_s:.0f} %"),
+        ("server's work for a step, scans included", f"{1e3 * busy_s / len(steps):.2f} ms"),
     ]  # fmt: skip
 
 
@@ -96,7 +99,7 @@ def main() -> None:
         for name in ("sessions", "too_many", "seconds", "start_over", "rate"):
             command += [f"--{name.replace('_', '-')}", str(getattr(arguments, name))]
         done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
-        busy = (cpu_s(server.pid) - used) / (time.perf_counter() - began)
+        busy_s, took_s = cpu_s(server.pid) - used, time.perf_counter() - began
         memory.over.set()
         server.terminate()
         server.wait()
@@ -104,7 +107,7 @@ def main() -> None:
     lines = [
         "| | |",
         "|---|---|",
-        *(f"| {a} | {b} |" for a, b in rows(report, arguments, memory, busy)),
+        *(f"| {a} | {b} |" for a, b in rows(report, arguments, memory, busy_s, took_s)),
     ]
     text = "\n".join(lines)
     print(text)

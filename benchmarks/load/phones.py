@@ -85,18 +85,32 @@ async def phone(url: str, number: int, arguments: argparse.Namespace, report: Re
         sent: dict[int, float] = {1: time.perf_counter()}
         await socket.send(scan)
         listening = asyncio.create_task(listen(socket, sent, report))
-        began = time.perf_counter()
-        for seq, (t_s, place) in enumerate(steps, 2):
-            await asyncio.sleep(max(began + t_s - time.perf_counter(), 0))
-            if began + t_s > arguments.until:
-                break
-            sent[seq] = time.perf_counter()
-            sample = {"t_s": t_s, "position_m": place}
-            await socket.send(json.dumps({"type": "odometry", "seq": seq, "samples": [sample]}))
-        await asyncio.sleep(1.0)
-        report.errors += ["no answer"] * len(sent)
-        await socket.send('{"type": "end"}')
-        await listening
+        try:
+            await walk(socket, steps, sent, arguments)
+            report.errors += ["no answer"] * len(sent)
+            await socket.send('{"type": "end"}')
+            await listening
+        finally:
+            listening.cancel()
+            await asyncio.gather(listening, return_exceptions=True)
+
+
+async def walk(
+    socket: ClientConnection,
+    steps: list[tuple[float, list[float]]],
+    sent: dict[int, float],
+    arguments: argparse.Namespace,
+) -> None:
+    """Send step by step, each at its time, until the test is over."""
+    began = time.perf_counter()
+    for seq, (t_s, place) in enumerate(steps, 2):
+        await asyncio.sleep(max(began + t_s - time.perf_counter(), 0))
+        if began + t_s > arguments.until:
+            break
+        sent[seq] = time.perf_counter()
+        sample = {"t_s": t_s, "position_m": place}
+        await socket.send(json.dumps({"type": "odometry", "seq": seq, "samples": [sample]}))
+    await asyncio.sleep(1.0)
 
 
 async def run(arguments: argparse.Namespace) -> Report:

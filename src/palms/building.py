@@ -310,8 +310,21 @@ class Atlas:
     def raster(self, settings: RasterSettings) -> PlanRaster:
         """Return the cells of all levels; made once."""
         if settings not in self._rasters:
-            self._rasters[settings] = rasterize(self.plan, settings)
+            self._rasters[settings] = rasterize(self.plan, settings, self._sheets())
         return self._rasters[settings]
+
+    def _sheets(self) -> list[FloorPlan]:
+        """Plans of the sheets where they lie; none where there is one level."""
+        if len(self.names) == 1:
+            return []
+        return [
+            FloorPlan(
+                plan.segments_m + shift, plan.classes,
+                outline_m=None if plan.outline_m is None else plan.outline_m + shift,
+                name=plan.name,
+            )
+            for plan, shift in zip(self.building.levels, self.shift_m, strict=True)
+        ]  # fmt: skip
 
     @cached_property
     def _rasters(self) -> dict[RasterSettings, PlanRaster]:

@@ -246,18 +246,24 @@ class LiveSession:
         return self._ask(
             messages.Hint(
                 seq=self._next_seq, room=hint.room, radius_m=hint.radius_m,
-                probability=hint.probability,
+                level=hint.level, probability=hint.probability,
                 place_m=None if place is None else (float(place[0]), float(place[1])),
             )
         )  # fmt: skip
+
+    def change_level(self, by: int, probability: float = 0.99) -> messages.Estimate:
+        """Say that the phone noticed that it went up, or down, so many levels."""
+        return self._ask(
+            messages.LevelChange(seq=self._next_seq, change=by, probability=probability)
+        )
 
     def pause(self) -> messages.Estimate:
         """Say that nothing comes for a while."""
         return self._ask(messages.Pause(seq=self._next_seq))
 
-    def resume(self, same_frame: bool = True) -> messages.Estimate:
-        """Go on; without the old frame a new scan is needed."""
-        return self._ask(messages.Resume(seq=self._next_seq, same_frame=same_frame))
+    def resume(self, same_frame: bool = True, away_s: float | None = None) -> messages.Estimate:
+        """Go on; in a new frame the place is kept, and a new scan finds the drift soon."""
+        return self._ask(messages.Resume(seq=self._next_seq, same_frame=same_frame, away_s=away_s))
 
     def share(self, ttl_s: float = 3600.0) -> str:
         """Return a key that lets others look on."""

@@ -17,7 +17,7 @@ from palms.belief import Belief, Spots, Stage
 from palms.particles import MoveInfo, Particles
 from palms.settings import DeclarationSettings
 
-__all__ = ["doubted", "evidence_of", "judge"]
+__all__ = ["doubted", "evidence_of", "judge", "share_oriented"]
 
 NEAR_M = 2.0  # ours: what p_within_2m asks
 DRIFT_BINS = 72  # ours: 5 degrees each
@@ -84,13 +84,13 @@ def _stage(belief: Belief, settings: DeclarationSettings) -> Stage:
     threshold = settings.leave if belief.stage is Stage.LOCALIZED else settings.enter
     if near >= threshold:
         return Stage.LOCALIZED
-    if sure * _share_oriented(belief.particles, settings.oriented_rad) >= settings.oriented_share:
+    if sure * share_oriented(belief.particles, settings.oriented_rad) >= settings.oriented_share:
         return Stage.ORIENTED
     return Stage.LOST if belief.stage is Stage.LOST else Stage.SEARCHING
 
 
-def _share_oriented(particles: Particles, within_rad: float) -> float:
-    """Largest share of the weight whose drifts lie this near to one drift."""
+def share_oriented(particles: Particles, within_rad: float) -> float:
+    """Return the largest share of the weight whose drifts lie this near to one drift."""
     shares = np.empty(DRIFT_BINS)
     clusters.turn_shares(particles.drift_rad, particles.weight, shares)
     width = max(1, round(2 * within_rad / (2 * math.pi) * DRIFT_BINS))

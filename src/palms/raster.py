@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -92,13 +93,17 @@ class PlanRaster:
         return self._spectra[key]
 
 
-def rasterize(plan: FloorPlan, settings: RasterSettings | None = None) -> PlanRaster:
+def rasterize(
+    plan: FloorPlan, settings: RasterSettings | None = None, parts: Sequence[FloorPlan] = ()
+) -> PlanRaster:
     """Turn a floor plan into cells (paper III-B, "rasterizing these segments into bitmaps").
 
     Parameters
     ----------
     plan : FloorPlan
     settings : RasterSettings, optional
+    parts : sequence of FloorPlan, optional
+        Plans apart from each other that make up this one: nothing between them is inside.
 
     Raises
     ------
@@ -107,13 +112,12 @@ def rasterize(plan: FloorPlan, settings: RasterSettings | None = None) -> PlanRa
     """
     settings = settings or RasterSettings()
     grid = _grid(plan, settings)
-    by_class = np.array(
-        [settings.wall_weight, settings.door_weight, settings.opening_weight, settings.glass_weight]
-    )
-    density = _density(plan.segments_m, by_class[plan.classes], grid, spread=True)
+    density = _weighted(plan, grid, settings)
     np.minimum(density, np.sqrt(2), out=density)  # no cell holds more than one straight wall
     density.setflags(write=False)
-    inside = _inside(plan, grid, density, settings)
+    inside = (
+        _inside_each(parts, grid, settings) if parts else _inside(plan, grid, density, settings)
+    )
     walls = _walls(plan.blocking_m, grid, _near(inside, settings.margin_m / grid.cell_size_m))
     return PlanRaster(plan, grid, density, inside, walls, settings)
 
@@ -145,6 +149,14 @@ def _density(
     out = np.zeros(grid.shape, np.float32)
     cells.add_lengths(_flat(segments_m, grid), weights, grid.cell_size_m, spread, out)
     return out
+
+
+def _weighted(plan: FloorPlan, grid: Grid, settings: RasterSettings) -> npt.NDArray[np.float32]:
+    """Metres of wall in each cell, by what their class counts."""
+    by_class = np.array(
+        [settings.wall_weight, settings.door_weight, settings.opening_weight, settings.glass_weight]
+    )
+    return _density(plan.segments_m, by_class[plan.classes], grid, spread=True)
 
 
 def _walls(blocking_m: FloatArray, grid: Grid, indoors: npt.NDArray[np.bool_]) -> loops.Walls:
@@ -194,6 +206,20 @@ def away_cells(mask: npt.NDArray[np.bool_]) -> FloatArray:
     away = np.empty(mask.shape)
     distance.to_clear(mask, away)
     return away
+
+
+def _inside_each(
+    parts: Sequence[FloorPlan], grid: Grid, settings: RasterSettings
+) -> npt.NDArray[np.bool_]:
+    """Find the inside of each part by itself; all grids have their corners on whole cells."""
+    inside = np.zeros(grid.shape, np.bool_)
+    for part in parts:
+        own = _grid(part, settings)
+        column, row = np.rint((own.origin_m - grid.origin_m) / grid.cell_size_m).astype(int)
+        of_part = _inside(part, own, _weighted(part, own, settings), settings)
+        rows, columns = own.shape
+        inside[row : row + rows, column : column + columns] |= of_part
+    return as_readonly(inside, np.bool_)
 
 
 def _near(mask: npt.NDArray[np.bool_], radius: float) -> npt.NDArray[np.bool_]:

@@ -65,6 +65,44 @@ def test_a_journal_replayed_at_any_point_goes_on_with_the_same_state(cut):
     assert state(replayed) == state(live)
 
 
+def after_restart(away_s=None, t_s=107.5):
+    """The estimate after a new frame, and after its first position."""
+    follower = Follower(FLOOR, Terms(particles=3000, seed=5))
+    for message in parsed(whole_walk()):
+        follower.apply(message)
+    resume = {"type": "resume", "seq": 15, "same_frame": False, "away_s": away_s}
+    at_once = follower.apply(parsed([resume])[0])
+    assert [kind for kind, _ in at_once.events][:1] == ["restarted"]
+    first = follower.apply(parsed([odometry(16, [7.0, 7.0], t_s)])[0])
+    assert first.error is None
+    return at_once.estimate, first.estimate
+
+
+def test_a_new_frame_keeps_the_place_spread_by_the_time_away():
+    short, _ = after_restart(0.0)
+    told, after = after_restart(30.0)
+    assert short.radius_68_m < 2.0 < told.radius_68_m
+    assert (after.radius_68_m, after.walked_m) == (told.radius_68_m, told.walked_m)
+    before, timed = after_restart(None, 107.0 + 30.0)
+    assert before.radius_68_m == pytest.approx(short.radius_68_m)
+    assert timed.radius_68_m == pytest.approx(told.radius_68_m, rel=0.2)
+    assert timed.t_s == before.t_s  # the first position of a frame is no move
+    _, reset = after_restart(None, 5.0)  # the phone's clock began anew
+    assert reset.radius_68_m > short.radius_68_m
+
+
+def test_moves_in_a_new_frame_are_those_of_its_own_positions():
+    follower = Follower(FLOOR, Terms(particles=300, seed=5))
+    for message in parsed(whole_walk()):
+        walked_m = follower.apply(message).estimate.walked_m
+    listed = [{"type": "resume", "seq": 15, "same_frame": False}]
+    listed += [odometry(16 + k, [50.0 + 0.5 * k, 9.0], 110.0 + k) for k in range(4)]
+    for message in parsed(listed):
+        outcome = follower.apply(message)
+    assert outcome.error is None
+    assert outcome.estimate.walked_m == pytest.approx(walked_m + 1.5)
+
+
 def test_an_input_that_cannot_be_used_leaves_the_answer_as_it_was():
     follower = Follower(FLOOR, TERMS)
     for message in parsed(whole_walk()):

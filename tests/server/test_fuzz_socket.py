@@ -17,12 +17,19 @@ JUNK = st.recursive(
     | st.dictionaries(st.sampled_from(["t_s", "position_m", "pose", "matrix"]), inner, max_size=3),
     max_leaves=8,
 )  # fmt: skip
-TYPES = ["odometry", "scan", "hint", "inertial", "pause", "resume", "share", "dismiss", "hello"]
+TYPES = [
+    "odometry", "scan", "hint", "level", "inertial", "pause", "resume", "share", "dismiss", "hello",
+]  # fmt: skip
 KEYS = [
     "seq", "samples", "planes", "t_s", "form", "position_m", "pose", "room", "place_m", "radius_m",
     "probability", "readings", "same_frame", "ttl_s", "viewer", "building", "session", "key",
+    "level", "change", "away_s",
 ]  # fmt: skip
-GOOD = [*whole_walk(), {"type": "hint", "seq": 15, "room": "Study"}]
+GOOD = [
+    *whole_walk(), {"type": "hint", "seq": 15, "room": "Study"},
+    {"type": "level", "seq": 16, "t_s": 130.0, "level": "1"},
+    {"type": "resume", "seq": 17, "same_frame": False},
+]  # fmt: skip
 
 
 @st.composite

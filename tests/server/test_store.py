@@ -54,6 +54,21 @@ def test_what_is_deleted_is_nowhere_in_the_folder(store):
     assert store.inputs("s1") == []
 
 
+def test_levels_are_replaced_whole_and_not_under_those_who_walk_on_all(store):
+    three = (("0", "{}"), ("1", "{}"), ("2", "{}"))
+    store.add_session(row())
+    assert store.set_levels("hall", three)
+    assert store.buildings()[0].levels == three
+    store.add_session(SessionRow("all", b"h", "hall", "", Terms(start_level="1"), True, 5.0, 6.0))
+    assert store.session("all").terms.start_level == "1"
+    assert not store.set_levels("hall", three[:1])
+    store.end_session("all", 9.0)  # a recording needs them, too
+    assert not store.set_levels("hall", three[:1])
+    assert store.buildings()[0].levels == three
+    store.delete_sessions(["all"])
+    assert store.set_levels("hall", three[:1])
+
+
 def test_a_building_stays_while_a_session_needs_it(store):
     store.add_session(row())
     assert not store.delete_building("hall")

@@ -11,7 +11,7 @@ import numpy as np
 
 from palms.belief import Belief, Estimate, Stage, settle, summarize
 from palms.building import Atlas, Building
-from palms.declaration import evidence_of, judge
+from palms.declaration import doubted, evidence_of, judge
 from palms.errors import InputError
 from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
@@ -34,6 +34,7 @@ from palms.posterior import Posterior, posterior
 from palms.randomness import RandomKey, as_key
 from palms.raster import PlanRaster, rasterize
 from palms.recovery import Conditions, Sighting, carried, look_again, look_elsewhere, take_hint
+from palms.restart import is_turned_anyhow, reframed, taken_up
 from palms.scan import Scan
 from palms.settings import Settings
 
@@ -43,7 +44,7 @@ CLEAR_M = 1.0  # ours: so far from stairs nobody stands on them
 
 Watcher = Callable[[Estimate, Belief, MoveInfo], None]
 _START = 0  # key of the start; step i has key i + 1
-_SEARCH, _SCAN, _ADAPT, _HINT, _CLIMB = 21, 22, 23, 24, 25  # purposes of random numbers
+_SEARCH, _SCAN, _ADAPT, _HINT, _CLIMB, _FRAME = range(21, 27)  # purposes of random numbers
 
 
 def locate(
@@ -128,9 +129,9 @@ class Localizer:
         self._sighting: Sighting | None = None
         self._hints: list[Hint] = []
         self._arrived = False  # on a level that was told, and not off its stairs since
+        self._new_frame: float | None = None  # since it, no scan; its nats of doubt for places
         self._since_search_m = math.inf
-        if self.settings.start.source == "uniform":
-            self._begin(start_everywhere(self.raster, self._n, self._key.child(_START)))
+        self._begin_anywhere()
 
     def observe(self, scan: Scan, at_m: FloatArray | None = None) -> Estimate:
         """Take a scan: the first one starts the search; ours takes any number of them.
@@ -164,9 +165,19 @@ class Localizer:
             return self._begin(carried(particles, moved_m))
         self._step += 1
         key = self._key.child(self._step, _SCAN)
-        self.belief = look_again(self.belief, self._sighting, self._conditions, key)
+        self.belief = self._look(self.belief, self._sighting, key)
         self.estimate = self._summary(self.estimate.time_s)
         return self.estimate
+
+    def _look(self, belief: Belief, sighting: Sighting, key: RandomKey) -> Belief:
+        """Weigh the belief by a scan; the first one of a new frame finds the drift, too."""
+        conditions, nats = self._conditions, self._new_frame
+        self._new_frame = None
+        turned = nats is not None and is_turned_anyhow(belief.particles, conditions)
+        if not turned or nats is None or conditions.own_frame:
+            return look_again(belief, sighting, conditions, key)
+        doubt = doubted(belief.doubt, nats, self.settings.declaration)
+        return taken_up(replace(belief, doubt=doubt), sighting, conditions, key)
 
     def hint(self, hint: Hint) -> Estimate:
         """Take what somebody says of where the phone is; only ours listens.
@@ -192,6 +203,31 @@ class Localizer:
         self.estimate = self._summary(self.estimate.time_s)
         return self.estimate
 
+    def restart(self, away_s: float = 0.0) -> Estimate:
+        """Go on in a new frame, as when the phone's session was lost and another one begun.
+
+        Ours keeps where it was, spread by what may have been walked meanwhile; the drift is
+        anything, until a scan or the walk tells. Other methods begin anew.
+
+        Parameters
+        ----------
+        away_s : float
+            How long nothing was known of the phone's moves.
+        """
+        if not away_s >= 0:
+            raise InputError("time away", expected="0 s or more", got=f"{away_s:g} s")
+        self._heading, self._sighting, self._new_frame = None, None, 0.0
+        self._step += 1
+        if self.belief is None or not self.settings.is_ours:
+            self.belief, self.estimate = None, Estimate(self.estimate.time_s)
+            self._waiting.clear()
+            self._begin_anywhere()
+            return self.estimate
+        key = self._key.child(self._step, _FRAME)
+        self.belief, self._new_frame = reframed(self.belief, away_s, self._conditions, key)
+        self.estimate = self._summary(self.estimate.time_s)
+        return self.estimate
+
     def move(self, move: Move) -> Estimate:
         """Take one move of the odometry and return where that leads."""
         if move.time_s < self.estimate.time_s:
@@ -206,6 +242,10 @@ class Localizer:
     @property
     def _n(self) -> int:
         return self.settings.start.n_particles
+
+    def _begin_anywhere(self) -> None:
+        if self.settings.start.source == "uniform":
+            self._begin(start_everywhere(self.raster, self._n, self._key.child(_START)))
 
     def _begin(self, particles: Particles) -> Estimate:
         particles = with_scales(particles, self._conditions.motion, self._key.child(_START))

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from palms.belief import Stage
+from palms.belief import Hypothesis, Stage
 from palms.errors import InputError
 from palms.geometry import wrap_angle
 from palms.hints import Hint
@@ -22,29 +22,20 @@ from palms.io.track_json import lonlat
 from palms.localizer import Localizer
 from palms.odometry import Move
 from palms.randomness import as_key
-from palms.raster import PlanRaster
 from palms.scan import Scan
 from palms.server import messages
-from palms.server.intake import Intake, clocked, taken
-from palms.server.naming import Namer
+from palms.server.floor import Floor
+from palms.server.intake import Intake, away_s, clocked, in_new_frame, taken
+from palms.server.levels import LevelKnown, check_kept, level_hint, level_known, level_told
 from palms.server.reckoner import Reckoner, reckoned
 from palms.server.scans import read_scan
 from palms.settings import Settings
 
 __all__ = ["Floor", "Follower", "Outcome", "Terms"]
 
+START_SURE = 0.9  # ours: how often the level that a walk is said to start on is right
 WORTH_SAYING = 0.01  # ours: places of less probability are not told
-_RESTART = 31  # purpose of random numbers
 log = logging.getLogger("palms.server")
-
-
-@dataclass(frozen=True, slots=True)
-class Floor:
-    """A level that sessions share: its raster, and who names its rooms."""
-
-    raster: PlanRaster
-    name_of: Namer
-    level: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +47,7 @@ class Terms:
     seed: int = 0
     source: str = "vio"
     frame: str = "scan"
+    start_level: str | None = None
 
     def settings(self) -> Settings:
         """Return the settings of its method.
@@ -79,6 +71,8 @@ class Outcome:
     events : tuple of (kind, t_s)
     scan : Scan or None
         The scan that was taken, for whoever wants heatmaps.
+    hint : Hint or None
+        The hint that was taken.
     error : str or None
         Why the input, or a part of it, could not be used.
     is_defect : bool
@@ -88,6 +82,7 @@ class Outcome:
     estimate: messages.Estimate
     events: tuple[tuple[messages.EventKind, float | None], ...] = ()
     scan: Scan | None = None
+    hint: Hint | None = None
     error: str | None = None
     is_defect: bool = False
 
@@ -104,6 +99,7 @@ class Follower:
     --------
     >>> from palms import FloorPlan, rasterize
     >>> plan = FloorPlan([[[0, 0], [6, 0]], [[6, 0], [6, 4]], [[6, 4], [0, 4]], [[0, 4], [0, 0]]])
+    >>> from palms.server.naming import Namer
     >>> follower = Follower(Floor(rasterize(plan), Namer(plan), "1"), Terms())
     >>> outcome = follower.apply(messages.Scan(
     ...     seq=1, t_s=5.0, planes=((((4, -1), (4, 3))), (((-2, 3), (4, 3))), (((-2, -1), (-2, 3))))
@@ -120,18 +116,16 @@ class Follower:
         self.seq = 0
         self._reckoner = Reckoner()
         self.watch: Callable[[Move], object] | None = None
-        self._n_restarts = 0
         self._was_localized = False
         self._stage = Stage.SEARCHING
-        self.localizer = self._new()
-
-    def _new(self) -> Localizer:
-        key = as_key(self.terms.seed)
-        if self._n_restarts:
-            key = key.child(_RESTART, self._n_restarts)
-        own, source = self.terms.frame == "own", self.terms.source
-        kind: Any = source
-        return Localizer(self.floor.raster, self.settings, key, own, source=kind)
+        self._is_away = False  # since the frame is new, until something comes with a time
+        self._level_known: LevelKnown | None = None
+        kind: Any = terms.source
+        self.localizer = Localizer(
+            floor.ground, self.settings, as_key(terms.seed), terms.frame == "own", source=kind
+        )
+        if terms.start_level is not None:
+            self.localizer.hint(Hint(level=terms.start_level, probability=START_SURE))
 
     def apply(self, message: messages.Input) -> Outcome:
         """Take one input; what is wrong with it is said, and no state is half-done.
@@ -143,9 +137,9 @@ class Follower:
         """
         self.seq = message.seq
         events: list[messages.EventKind] = []
-        scan, error, is_defect = None, None, False
+        held, error, is_defect = None, None, False
         try:
-            scan = self._take(message, events)
+            held = self._take(message, events)
         except InputError as problem:
             error = str(problem)
         except Exception:  # whatever it is, the other sessions and this one go on
@@ -154,9 +148,15 @@ class Follower:
         events += self._stage_events()
         t_s = self._phone_time()
         told = tuple((kind, t_s) for kind in events)
-        return Outcome(self.estimate(), told, scan, error, is_defect)
+        self._level_known = level_known(self.localizer, self._level_known)
+        scan = held if isinstance(held, Scan) else None
+        hint = held if isinstance(held, Hint) else None
+        return Outcome(self.estimate(), told, scan, hint, error, is_defect)
 
-    def _take(self, message: messages.Input, events: list[messages.EventKind]) -> Scan | None:
+    def _take(
+        self, message: messages.Input, events: list[messages.EventKind]
+    ) -> Scan | Hint | None:
+        """Take an input; return the scan or the hint that it holds."""
         match message:
             case messages.Odometry():
                 for sample in message.samples:
@@ -164,8 +164,8 @@ class Follower:
             case messages.Scan():
                 events.append("scanning")
                 return self._observe(message)
-            case messages.Hint():
-                self.localizer.hint(_hint(message))
+            case messages.Hint() | messages.LevelChange():
+                return self._listen(message)
             case messages.Inertial():
                 self._reckoner, samples = reckoned(self._reckoner, message)
                 for sample in samples:
@@ -175,10 +175,26 @@ class Follower:
                 self.intake = replace(self.intake, is_paused=True)
             case messages.Resume():
                 events.append("resumed" if message.same_frame else "restarted")
-                self._resume(message.same_frame)
+                self._resume(message)
         return None
 
+    def _listen(self, message: messages.Hint | messages.LevelChange) -> Hint | None:
+        """Take what somebody, or the phone's barometer, says of where it is."""
+        if isinstance(message, messages.Hint):
+            hint = _hint(message, self.floor)
+        else:
+            if message.t_s is not None:
+                self._come_back(message.t_s)
+                self.intake = clocked(self.intake, message.t_s)
+            hint = level_hint(message, self.floor, self._level_known)
+        if hint is not None:
+            self.localizer.hint(hint)
+            self._level_known = level_told(hint, self.floor) or self._level_known
+        return hint
+
     def _move(self, sample: messages.Sample) -> None:
+        if not self.intake.is_paused:
+            self._come_back(sample.t_s)
         self.intake, move = taken(self.intake, sample)
         if move is not None:
             self.localizer.move(move)
@@ -187,6 +203,7 @@ class Follower:
 
     def _observe(self, message: messages.Scan) -> Scan:
         scan = read_scan(message, self.intake.position_m or (0.0, 0.0))
+        self._come_back(message.t_s)
         self.intake = clocked(self.intake, message.t_s)
         if self.intake.position_m is None:
             x, y = (float(v) for v in scan.position_m)
@@ -194,14 +211,21 @@ class Follower:
         self.localizer.observe(scan, np.array(self.intake.position_m))
         return scan
 
-    def _resume(self, same_frame: bool) -> None:
+    def _resume(self, message: messages.Resume) -> None:
         self.intake = replace(self.intake, is_paused=False)
-        if same_frame:
+        if message.same_frame:
             return
-        self.intake = Intake(walked_m=self.intake.walked_m, n_late=self.intake.n_late)
+        self.intake = in_new_frame(self.intake)
         self._reckoner = Reckoner()
-        self._n_restarts += 1
-        self.localizer = self._new()
+        self._is_away = message.away_s is None
+        self.localizer.restart(message.away_s or 0.0)
+
+    def _come_back(self, t_s: float) -> None:
+        """Let the belief spread by the time that passed before the new frame began."""
+        passed_s = away_s(self.intake, t_s) if self._is_away else 0.0
+        self._is_away = False
+        if passed_s > 0:
+            self.localizer.restart(passed_s)
 
     def _stage_events(self) -> list[messages.EventKind]:
         before, now = self._stage, self.localizer.estimate.stage
@@ -225,17 +249,18 @@ class Follower:
     def estimate(self) -> messages.Estimate:
         """Return the answer now, as it goes to clients."""
         found, belief = self.localizer.estimate, self.localizer.belief
+        level = self.floor.level if found.level is None else found.level
         common: dict[str, Any] = {
             "seq": self.seq, "t_s": self._phone_time() or 0.0, "stage": str(found.stage),
-            "level": self.floor.level, "walked_m": self.intake.walked_m,
-            "n_late": self.intake.n_late,
+            "level": level, "p_level": 0.0 if level is None else found.p_level,
+            "walked_m": self.intake.walked_m, "n_late": self.intake.n_late,
         }  # fmt: skip
         if found.position_m is None or belief is None:
             return messages.Estimate.model_construct(**common)
         x, y = (float(v) for v in found.position_m)
         facing = self.intake.facing_rad
         return messages.Estimate.model_construct(
-            **common, **self._on_earth(x, y), x_m=x, y_m=y, room=self.floor.name_of(x, y),
+            **common, **self._on_earth(x, y), x_m=x, y_m=y, room=self.floor.name_of(x, y, level),
             heading_rad=found.heading_rad, drift_rad=found.drift_rad,
             drift_spread_rad=self._drift_spread(),
             facing_rad=None if facing is None else float(wrap_angle(facing + belief.drift_rad)),
@@ -253,14 +278,15 @@ class Follower:
             return None
         return _spread(belief.particles.drift_rad, belief.particles.weight)
 
-    def _place(self, found: Any) -> messages.Place:  # noqa: ANN401
+    def _place(self, found: Hypothesis) -> messages.Place:
+        level = self.floor.level if found.level is None else found.level
         return messages.Place.model_construct(
-            x_m=found.x_m, y_m=found.y_m, p=found.share, drift_rad=found.drift_rad,
-            room=self.floor.name_of(found.x_m, found.y_m),
+            x_m=found.x_m, y_m=found.y_m, p=found.share, drift_rad=found.drift_rad, level=level,
+            room=self.floor.name_of(found.x_m, found.y_m, level),
         )  # fmt: skip
 
     def _on_earth(self, x: float, y: float) -> dict[str, Any]:
-        origin = self.floor.raster.plan.origin
+        origin = self.floor.origin
         if origin is None:
             return {}
         lon, lat = lonlat(origin, (x, y))
@@ -274,9 +300,15 @@ def _spread(drift_rad: Any, weight: Any) -> float:  # noqa: ANN401
     return min(math.sqrt(max(-2 * math.log(max(length, 1e-12)), 0.0)), math.pi)
 
 
-def _hint(message: messages.Hint) -> Hint:
-    place = message.place_m
+def _hint(message: messages.Hint, floor: Floor) -> Hint | None:
+    """Return the hint of a message; None where it says what is known."""
+    place, level = message.place_m, message.level
+    if level is not None and floor.building is None:
+        check_kept(level, floor)
+        level = None
+        if message.room is None and place is None:
+            return None
     return Hint(
         place_m=None if place is None else np.array(place), radius_m=message.radius_m,
-        room=message.room, probability=message.probability,
+        room=message.room, level=level, probability=message.probability,
     )  # fmt: skip

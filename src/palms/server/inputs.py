@@ -175,7 +175,8 @@ class Inputs:
 
     def _show_particles(self, session: Session, seats: list[Seat]) -> None:
         assert session.follower is not None
-        belief, seq = session.follower.localizer.belief, session.follower.seq
+        localizer, seq = session.follower.localizer, session.follower.seq
+        belief, atlas = localizer.belief, localizer.atlas
         wanting = [seat for seat in seats if "particles" in seat.receive]
         if belief is None or not wanting:
             return
@@ -183,7 +184,7 @@ class Inputs:
 
         @functools.cache
         def frame(most: int) -> bytes:
-            return particles_frame(belief.particles, seq, t_s, most)
+            return particles_frame(belief.particles, (seq, t_s), most, atlas)
 
         for seat in wanting:
             seat.outbox.latest("particles", frame(seat.max_particles))
@@ -193,9 +194,9 @@ class Inputs:
         if not wanting or session.scan is None or session.follower is None:
             return
         seq, scan = session.scan
-        raster, settings = session.follower.floor.raster, session.follower.settings
+        floor, settings = session.follower.floor, session.follower.settings
         try:
-            frames = await in_pool(self._pools.scans, heatmap_frames, raster, scan, settings, seq)
+            frames = await in_pool(self._pools.scans, heatmap_frames, floor, scan, settings, seq)
         except PalmsError:  # it could not be used as a scan either
             return
         for seat in wanting:

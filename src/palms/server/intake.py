@@ -17,11 +17,12 @@ from palms.io.plane_geometry import on_ground, read_matrices, read_pose
 from palms.odometry import Move
 from palms.server.messages.inputs import Pose, Sample
 
-__all__ = ["Intake", "clocked", "ground_pose", "taken"]
+__all__ = ["Intake", "away_s", "clocked", "ground_pose", "in_new_frame", "taken"]
 
 LATE_S = 60.0  # ours: a sample that is older than this says that the clock was set
 GAP_S = 3600.0  # ours: a longer gap, too
 LONGEST_M = 100.0  # ours: no move is longer; the frame has jumped
+UNKNOWN_S = 300.0  # ours: the phone was away so long if its clock was set meanwhile
 LEVEL = 0.3  # ours: the sine of 17 degrees; who looks more steeply than that faces nowhere
 
 
@@ -89,6 +90,35 @@ def clocked(intake: Intake, t_s: float) -> Intake:
 
 def _ahead_s(intake: Intake, t_s: float) -> float:
     return t_s - (intake.offset_s or 0.0) - intake.time_s
+
+
+def in_new_frame(intake: Intake) -> Intake:
+    """Return an intake whose odometry begins anew; its clock goes on.
+
+    Examples
+    --------
+    >>> in_new_frame(Intake(50.0, 10.0, (3.0, 4.0), walked_m=7.0)).position_m is None
+    True
+    """
+    return replace(
+        intake, position_m=None, left_m=(0.0, 0.0), facing_rad=None, is_paused=False
+    )  # fmt: skip
+
+
+def away_s(intake: Intake, t_s: float) -> float:
+    """Return how long nothing was known of a phone, at the first time that it tells again.
+
+    Examples
+    --------
+    >>> away_s(Intake(50.0, 10.0), 75.0), away_s(Intake(50.0, 10.0), 0.0), away_s(Intake(), 5.0)
+    (15.0, 0.0, 0.0)
+    >>> away_s(Intake(5000.0, 10.0), 0.0)  # its clock was set
+    300.0
+    """
+    if intake.offset_s is None:
+        return 0.0
+    ahead_s = _ahead_s(intake, t_s)
+    return UNKNOWN_S if ahead_s < -LATE_S else max(ahead_s, 0.0)
 
 
 def taken(intake: Intake, sample: Sample) -> tuple[Intake, Move | None]:

@@ -16,6 +16,7 @@ from palms.server.store import Store
 
 __all__ = ["Journal"]
 
+APART_S = 0.01  # ours: a commit takes about 4 ms of the disk; inputs that come sooner share one
 T = TypeVar("T")
 Entry = tuple[str, int, float, str]
 
@@ -36,6 +37,7 @@ class Journal:
         self._thread = ThreadPoolExecutor(1, "palms-store")
         self._waiting: list[tuple[Entry, asyncio.Future[None]]] = []
         self._writing: asyncio.Task[None] | None = None
+        self._next_s = 0.0
         self.n_commits = 0
 
     async def do(self, work: Callable[..., T], *arguments: object) -> T:
@@ -51,8 +53,11 @@ class Journal:
         await done
 
     async def _write(self) -> None:
+        loop = asyncio.get_running_loop()
         while self._waiting:
+            await asyncio.sleep(max(self._next_s - loop.time(), 0.0))
             group, self._waiting = self._waiting, []
+            self._next_s = loop.time() + APART_S
             try:
                 await self.do(self.store.append, [entry for entry, _ in group])
             except Exception as error:

@@ -58,6 +58,8 @@ class Limits:
         Files read at the same time.
     plan_cells : int
         Of a level's raster.
+    building_cells : int
+        Of all levels together, to be searched as one.
     plan_segments : int
         Of a level.
     buildings : int
@@ -97,6 +99,7 @@ class Limits:
     upload_memory_bytes: int = 1_500_000_000
     uploads: int = 2
     plan_cells: int = 6_000_000
+    building_cells: int = 20_000_000
     plan_segments: int = 100_000
     buildings: int = 200
     recordings: int = 500

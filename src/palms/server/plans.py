@@ -5,23 +5,30 @@ from __future__ import annotations
 import re
 import secrets
 import unicodedata
+from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from pydantic import ValidationError
 
+from palms.building import Building, Stairs, joined_stairs, named_stairs
 from palms.errors import InputError
 from palms.floorplan import FloorPlan, Room, SegmentClass
 from palms.geodesy import Origin
+from palms.geometry import FloatArray
 from palms.server import messages
 from palms.server.limits import Limits
 from palms.server.messages.base import one_line
 from palms.server.store import BuildingRow
 
-__all__ = ["check_size", "new_id", "plan_of", "plan_text", "summary"]
+__all__ = [
+    "building_of", "check_size", "in_frame", "new_id", "place_among", "plan_of", "plan_text",
+    "stairs_of", "summary",
+]  # fmt: skip
 
 
-def plan_text(plan: FloorPlan) -> str:
-    """Return a plan as ``palms-plan/1``.
+def plan_text(plan: FloorPlan, stairs: Sequence[Stairs] = ()) -> str:
+    """Return a plan as ``palms-plan/1``, with the stairs that its file has as such.
 
     Examples
     --------
@@ -35,6 +42,10 @@ def plan_text(plan: FloorPlan) -> str:
         rooms=[
             messages.PlanRoom.model_construct(name=room.name, polygon_m=room.polygon_m.tolist())
             for room in plan.rooms
+        ],
+        stairs=[
+            messages.PlanRoom.model_construct(name=each.name, polygon_m=each.polygon_m.tolist())
+            for each in stairs
         ],
         outline_m=None if plan.outline_m is None else plan.outline_m.tolist(),
         origin=None if origin is None else (origin.lon_deg, origin.lat_deg),
@@ -50,10 +61,7 @@ def plan_of(text: str) -> FloorPlan:
     InputError
         When it is none.
     """
-    try:
-        content = messages.Plan.model_validate_json(text)
-    except ValidationError as error:
-        raise one_line(error, "plan") from None
+    content = _content(text)
     kinds = {kind.name.lower(): int(kind) for kind in SegmentClass}
     return FloorPlan(
         np.array(content.segments_m).reshape(-1, 2, 2),
@@ -64,6 +72,100 @@ def plan_of(text: str) -> FloorPlan:
         content.level,
         None if content.origin is None else Origin(*content.origin),
     )
+
+
+def _content(text: str) -> messages.Plan:
+    try:
+        return messages.Plan.model_validate_json(text)
+    except ValidationError as error:
+        raise one_line(error, "plan") from None
+
+
+def stairs_of(text: str) -> tuple[Stairs, ...]:
+    """Return the stairs of a ``palms-plan/1`` text, and its rooms that are called so."""
+    told = [Stairs(each.name, np.array(each.polygon_m)) for each in _content(text).stairs]
+    return (*told, *named_stairs(plan_of(text)))
+
+
+def building_of(levels: Sequence[tuple[str, str]]) -> Building:
+    """Return stored levels, from the lowest up, as a building in the frame of the lowest.
+
+    Parameters
+    ----------
+    levels : sequence of (str, str)
+        Name and ``palms-plan/1`` text of each.
+
+    Examples
+    --------
+    >>> hall = FloorPlan([[[0, 0], [8, 0]]], name="hall")
+    >>> building_of([("G", plan_text(hall)), ("1", plan_text(hall))]).names
+    ('G', '1')
+    """
+    plans = [replace(plan_of(text), level=name) for name, text in levels]
+    return Building(tuple(plans), joined_stairs([stairs_of(text) for _, text in levels]))
+
+
+def in_frame(plan: FloorPlan, stairs: Sequence[Stairs], lowest: FloorPlan) -> str:
+    """Return a further level as ``palms-plan/1`` in the frame of the lowest.
+
+    Where both know their place on Earth it is moved there; else it is taken as it is.
+
+    Raises
+    ------
+    InputError
+        When it lies beside the lowest level.
+    """
+    here, there = plan.origin, lowest.origin
+    if here is not None and there is not None and here != there:
+        old, new = here, there
+
+        def moved(points_m: FloatArray) -> FloatArray:
+            return new.to_local(old.to_lonlat(points_m))
+
+        plan = replace(
+            plan, segments_m=moved(plan.segments_m), origin=new,
+            rooms=tuple(replace(room, polygon_m=moved(room.polygon_m)) for room in plan.rooms),
+            outline_m=None if plan.outline_m is None else moved(plan.outline_m),
+        )  # fmt: skip
+        stairs = [replace(each, polygon_m=moved(each.polygon_m)) for each in stairs]
+    (low, high), (left, right) = lowest.bounds_m, plan.bounds_m
+    if (right < low).any() or (left > high).any():
+        raise InputError(
+            f"floor plan {plan.name}", expected="one above the building's lowest level",
+            got=f"one that begins at x {left[0]:.0f} m, y {left[1]:.0f} m, beside it",
+            fix="shift it to the frame of the other levels",
+        )  # fmt: skip
+    return plan_text(plan, stairs)
+
+
+def place_among(names: Sequence[str], name: str, below: str) -> int:
+    """Return where a further level goes, 0 for the lowest.
+
+    Below the level that is told, else by its number where all levels have one, else on top.
+
+    Raises
+    ------
+    InputError
+        When there is no level of that name.
+
+    Examples
+    --------
+    >>> place_among(["-1", "0", "2"], "1", ""), place_among(["G", "1"], "B", "G")
+    (2, 0)
+    """
+    if below:
+        if below not in names:
+            raise InputError("below", expected=f"one of {', '.join(names[:20])}", got=repr(below))
+        return names.index(below)
+    numbers = [_number(each) for each in (*names, name)]
+    known = [number for number in numbers if number is not None]
+    if len(known) < len(numbers):
+        return len(names)
+    return sum(number < known[-1] for number in known[:-1])
+
+
+def _number(name: str) -> float | None:
+    return float(name) if re.fullmatch(r"[-+]?\d{1,4}(\.\d{1,4})?", name.strip()) else None
 
 
 def check_size(plan: FloorPlan, limits: Limits, cell_size_m: float = 0.1) -> None:
@@ -113,6 +215,11 @@ def summary(row: BuildingRow) -> messages.Building:
                 bounds_m=(low, high),
             )
         )  # fmt: skip
+    joined = joined_stairs([stairs_of(text) for _, text in row.levels])
+    stairs = [(each.name, [(float(x), float(y)) for x, y in each.polygon_m]) for each in joined]
     return messages.Building(
-        id=row.id, name=row.name, levels=tuple(levels), is_sample=row.is_sample
-    )
+        id=row.id, name=row.name, levels=tuple(levels), is_sample=row.is_sample,
+        stairs=tuple(
+            messages.PlanRoom(name=name, polygon_m=tuple(polygon)) for name, polygon in stairs
+        ),
+    )  # fmt: skip

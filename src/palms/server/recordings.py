@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import tempfile
 import zipfile
 from dataclasses import replace
@@ -12,17 +13,19 @@ from typing import Any
 
 import numpy as np
 
+from palms.building import named_stairs
 from palms.errors import InputError
+from palms.floorplan import FloorPlan, Room
+from palms.hints import Hint
 from palms.io import Event, write_case, write_events, write_plan
 from palms.io.events import EVENTS_FILE
 from palms.io.walk import RecordedWalk
 from palms.odometry import Move, Odometry
-from palms.raster import rasterize
 from palms.server import messages
-from palms.server.follower import Floor, Follower
-from palms.server.naming import Namer
-from palms.server.plans import plan_of
-from palms.server.store import SessionRow
+from palms.server.floor import ALL, Floor
+from palms.server.follower import START_SURE, Follower
+from palms.server.plans import building_of
+from palms.server.store import Levels, SessionRow
 
 __all__ = ["dataset_zip", "recording_document", "recording_track"]
 
@@ -36,7 +39,8 @@ def recording_document(row: SessionRow, inputs: Inputs) -> dict[str, Any]:
         "schema": SCHEMA,
         "recording": row.id,
         "building": row.building,
-        "level": row.level,
+        "level": row.level or None,
+        "start_level": row.terms.start_level,
         "method": row.terms.method,
         "particles": row.terms.particles,
         "seed": row.terms.seed,
@@ -51,9 +55,17 @@ def recording_document(row: SessionRow, inputs: Inputs) -> dict[str, Any]:
     }
 
 
-def recording_track(row: SessionRow, inputs: Inputs, plan_text: str) -> dict[str, Any]:
-    """Follow a recording again; return its estimates and events."""
-    follower = _follower(row, plan_text)
+def recording_track(row: SessionRow, inputs: Inputs, levels: Levels) -> dict[str, Any]:
+    """Follow a recording again; return its estimates and events.
+
+    Parameters
+    ----------
+    row : SessionRow
+    inputs : list of (int, float, str)
+    levels : tuple of (str, str)
+        Names and plans of the levels that it walked on.
+    """
+    follower = _follower(row, levels)
     estimates, events = [], []
     for _, _, text in inputs:
         message = messages.parse_input(text)
@@ -62,17 +74,18 @@ def recording_track(row: SessionRow, inputs: Inputs, plan_text: str) -> dict[str
         events += [{"kind": kind, "seq": message.seq, "t_s": t_s} for kind, t_s in outcome.events]
     return {
         "schema": "palms-replay/1", "recording": row.id, "building": row.building,
-        "level": row.level, "plan": json.loads(plan_text), "estimates": estimates,
-        "events": events,
+        "level": row.level or None, "plan": json.loads(levels[0][1]),
+        "plans": [json.loads(text) | {"level": name} for name, text in levels],
+        "estimates": estimates, "events": events,
     }  # fmt: skip
 
 
-def _follower(row: SessionRow, plan_text: str) -> Follower:
-    plan = plan_of(plan_text)
-    return Follower(Floor(rasterize(plan), Namer(plan), row.level), row.terms)
+def _follower(row: SessionRow, levels: Levels) -> Follower:
+    floor = Floor.of(building_of(levels), None if row.level == ALL else row.level)
+    return Follower(floor, row.terms)
 
 
-def dataset_zip(row: SessionRow, inputs: Inputs, plan_text: str) -> bytes:
+def dataset_zip(row: SessionRow, inputs: Inputs, levels: Levels) -> bytes:
     """Return a recording as a zipped data set folder.
 
     Raises
@@ -81,7 +94,7 @@ def dataset_zip(row: SessionRow, inputs: Inputs, plan_text: str) -> bytes:
         When it has no scan, or fewer than two moves.
     """
     with tempfile.TemporaryDirectory(prefix="palms-") as folder:
-        write_dataset(Path(folder), row, inputs, plan_text)
+        write_dataset(Path(folder), row, inputs, levels)
         out = io.BytesIO()
         with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
             for path in sorted(Path(folder).rglob("*")):
@@ -90,13 +103,13 @@ def dataset_zip(row: SessionRow, inputs: Inputs, plan_text: str) -> bytes:
     return out.getvalue()
 
 
-def write_dataset(folder: Path, row: SessionRow, inputs: Inputs, plan_text: str) -> Path:
+def write_dataset(folder: Path, row: SessionRow, inputs: Inputs, levels: Levels) -> Path:
     """Write a recording as a data set; return the folder of its walk.
 
-    The walk starts where its first scan was taken. Hints become events.
+    The walk starts where its first scan was taken, and ends where its frame was new. Hints
+    and changes of the level become events.
     """
-    plan = replace(plan_of(plan_text), name=row.building)
-    moves, scans, events = _told(row, inputs, plan_text)
+    moves, scans, events = _told(row, inputs, levels)
     if not scans or len(moves) < 2:
         raise InputError(
             "recording", expected="a scan and at least two moves after it",
@@ -113,9 +126,10 @@ def write_dataset(folder: Path, row: SessionRow, inputs: Inputs, plan_text: str)
         source=kind,
         session=(session,),
     )
-    write_plan(folder, plan)
+    for plan in _drawings(levels, row.building):
+        write_plan(folder, plan)
     walk = write_case(
-        folder, plan.name, f"live-{session}", RecordedWalk.of(odometry),
+        folder, row.building, f"live-{session}", RecordedWalk.of(odometry),
         [replace(scan, session=session) for scan in scans],
     )  # fmt: skip
     if events:
@@ -123,18 +137,41 @@ def write_dataset(folder: Path, row: SessionRow, inputs: Inputs, plan_text: str)
     return walk
 
 
+def _drawings(levels: Levels, name: str) -> list[FloorPlan]:
+    """Return plans named as a data set has them; stairs are rooms that are called so."""
+    building = building_of(levels)
+    known = {each.name for plan in building.levels for each in named_stairs(plan)}
+    rooms = tuple(
+        Room(f"Stairs {each.name}", each.polygon_m)
+        for each in building.stairs
+        if each.name not in known
+    )
+    lowest, *others = (
+        replace(plan, rooms=(*plan.rooms, *rooms), name=name) for plan in building.levels
+    )
+    return [lowest, *(replace(each, name=f"{name}-level-{_plain(each)}") for each in others)]
+
+
+def _plain(plan: FloorPlan) -> str:
+    """Return the name of a level as a file can have it; the file's content says the true one."""
+    return re.sub(r"[^\w.+-]", "_", plan.level or "")
+
+
 def _told(
-    row: SessionRow, inputs: Inputs, plan_text: str
+    row: SessionRow, inputs: Inputs, levels: Levels
 ) -> tuple[list[Move], list[Any], list[Event]]:
     """Return the moves, scans and hints of a recording, in the frame of its first scan."""
-    follower = _follower(row, plan_text)
+    follower = _follower(row, levels)
     moves: list[Move] = []
     follower.watch = moves.append
     scans: list[Any] = []
-    events: list[Event] = []
+    start = row.terms.start_level
+    events = [] if start is None else [Event(0.0, "hint", level=start, probability=START_SURE)]
     start_m = np.zeros(2)
     for _, _, text in inputs:
         message = messages.parse_input(text)
+        if scans and isinstance(message, messages.Resume) and not message.same_frame:
+            break
         outcome = follower.apply(message)
         if outcome.scan is not None:
             if not scans:
@@ -147,10 +184,17 @@ def _told(
                 time_s=outcome.scan.time_s - offset_s,
             )  # fmt: skip
             scans.append(scan)
-        elif isinstance(message, messages.Hint):
-            time_s = follower.intake.time_s
-            events.append(
-                Event(time_s, "hint", room=message.room, position_m=message.place_m,
-                      radius_m=None if message.place_m is None else message.radius_m)
-            )  # fmt: skip
+        elif outcome.hint is not None:
+            is_change = isinstance(message, messages.LevelChange)
+            events.append(_event(outcome.hint, follower.intake.time_s, is_change))
     return moves, scans, events
+
+
+def _event(hint: Hint, time_s: float, is_change: bool) -> Event:
+    if is_change:
+        return Event(time_s, "level", level=hint.level, probability=hint.probability)
+    x_y = None if hint.place_m is None else (float(hint.place_m[0]), float(hint.place_m[1]))
+    return Event(
+        time_s, "hint", room=hint.room, position_m=x_y, level=hint.level,
+        radius_m=None if x_y is None else hint.radius_m, probability=hint.probability,
+    )  # fmt: skip

@@ -96,7 +96,9 @@ class Session:
     n_viewers_ever: int = 0
     left_s: float = 0.0
     scan: tuple[int, Scan] | None = None
-    path: list[tuple[float, float | None, float | None, str]] = field(default_factory=list)
+    path: list[tuple[float, float | None, float | None, str, str | None]] = field(
+        default_factory=list
+    )
     pushed: deque[int] = field(default_factory=lambda: deque(maxlen=REMEMBERED))
     is_over: bool = False
 
@@ -113,7 +115,7 @@ class Session:
         """Keep what an input led to; return its events as texts."""
         found = outcome.estimate
         if len(self.path) < LONGEST_PATH:
-            self.path.append((found.t_s, found.x_m, found.y_m, found.stage))
+            self.path.append((found.t_s, found.x_m, found.y_m, found.stage, found.level))
         if outcome.scan is not None:
             self.scan = seq, outcome.scan
         texts = []
@@ -156,7 +158,7 @@ class Session:
 
     def told_path(self) -> messages.Path:
         """Return the path so far."""
-        columns = list(zip(*self.path, strict=True)) or [(), (), (), ()]
+        columns = list(zip(*self.path, strict=True)) or [()] * 5
         return messages.Path.model_construct(
-            t_s=columns[0], x_m=columns[1], y_m=columns[2], stage=columns[3]
+            t_s=columns[0], x_m=columns[1], y_m=columns[2], stage=columns[3], level=columns[4]
         )

@@ -7,8 +7,10 @@ import sqlite3
 from collections.abc import Callable
 from typing import Literal, TypeVar
 
+from palms.errors import InputError
 from palms.server import messages
 from palms.server.catalogue import Catalogue, UnknownBuilding
+from palms.server.floor import ALL
 from palms.server.follower import Follower, Terms
 from palms.server.gate import Gate, hashed, new_secret
 from palms.server.inputs import Inputs, Pools, in_pool
@@ -19,7 +21,7 @@ from palms.server.outbox import Outbox
 from palms.server.push import Push
 from palms.server.session import Refused, Seat, Session
 from palms.server.store import SessionRow
-from palms.settings import METHODS
+from palms.settings import METHODS, Settings
 
 __all__ = ["Sessions"]
 
@@ -122,8 +124,12 @@ class Sessions:
         """
         self._refuse_when_full()
         building, level, terms = self._terms(hello)
-        floor = await self.catalogue.floor(building, level)
-        follower = await in_pool(self._pools.steps, Follower, floor, terms)
+        levels = self.catalogue.levels(building, level)
+        try:
+            floor = await self.catalogue.floor(building, level)
+            follower = await in_pool(self._pools.steps, Follower, floor, terms)
+        except InputError as error:
+            raise Refused("full", str(error)) from None
         self._refuse_when_full()  # others came while the floor was made
         key, now = new_secret(), self._journal.now_s()
         records = hello.record and self.may_record
@@ -137,6 +143,9 @@ class Sessions:
         except sqlite3.IntegrityError:
             del self._sessions[row.id]
             raise Refused("unknown", "the building has just been deleted") from None
+        if self.catalogue.levels(building, level) != levels:
+            await self.end(session, "deleted", keep=False)
+            raise Refused("unknown", "the building has just got another level; come again")
         self.metrics.count("sessions_opened_total")
         return session, key
 
@@ -149,17 +158,34 @@ class Sessions:
     def _terms(self, hello: messages.Hello) -> tuple[str, str, Terms]:
         try:
             building = self.catalogue.building(hello.building or "").id
-            level = self.catalogue.level(building, hello.level)
         except UnknownBuilding as error:
             raise Refused("unknown", str(error)) from None
+        try:
+            level, start_level = self._levels(building, hello)
+        except UnknownBuilding as error:
+            raise Refused("unknown", str(error)) from None
+        except InputError as error:
+            raise Refused("full", str(error)) from None
         seed = secrets.randbelow(2**31) if hello.seed is None else hello.seed
-        terms = Terms(hello.method, hello.particles, seed, hello.source, hello.frame)
+        terms = Terms(
+            hello.method, hello.particles, seed, hello.source, hello.frame, start_level
+        )  # fmt: skip
         if hello.method not in METHODS or hello.method == "oracle":
             raise Refused("unknown", f"method: expected one of {', '.join(METHODS)}")
         most = self.limits.particles
         if (hello.particles or terms.settings().start.n_particles) > most:
             raise Refused("full", f"particles: this server has at most {most} for a session")
         return building, level, terms
+
+    def _levels(self, building: str, hello: messages.Hello) -> tuple[str, str | None]:
+        """Return the level to walk on, or all, and where the walk is said to start."""
+        level = self.catalogue.level(building, hello.level)
+        several = len(self.catalogue.building(building).levels) > 1
+        ours = hello.method in METHODS and Settings.for_method(hello.method).is_ours
+        if hello.one_level or not several or not ours:
+            return level, None
+        self.catalogue.check_atlas(building)
+        return ALL, hello.level
 
     async def rebuild(self, session: Session) -> None:
         """Replay the journal of a session whose state is not in memory."""
@@ -218,7 +244,7 @@ class Sessions:
         return messages.Welcome(
             version=__version__, role="viewer" if seat.number else "walker", session=row.id,
             key=key, viewer=seat.number or None, building=self.catalogue.building(row.building),
-            level=row.level, method=row.terms.method, seed=row.terms.seed,
+            level=row.level or None, method=row.terms.method, seed=row.terms.seed,
             next_seq=session.next_seq, resumed=resumed, recording=row.is_recording,
             stage=found.stage, t_s=found.t_s if session.next_seq > 1 else None,
         )  # fmt: skip

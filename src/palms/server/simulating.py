@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
+from palms.building import Stairs
 from palms.errors import InputError
 from palms.evaluation.simulation import (
     ScannerNoise,
@@ -18,60 +21,91 @@ from palms.evaluation.simulation import (
     vio_odometry,
 )
 from palms.geometry import FloatArray
+from palms.io.happenings import LEVEL_PROBABILITY
 from palms.odometry import Move
 from palms.raster import PlanRaster
 from palms.server import messages
 
-__all__ = ["simulated"]
+__all__ = ["Drawn", "simulated"]
 
 STEP_M = 0.65  # ours: a human step
 STEP_S = 0.5
 LONGEST_M = 2000.0  # ours: of a drawn walk
+CLIMB_S = 12.0  # ours: for each level
+REACH_M = 0.5  # ours: corners of a path are drawn so exactly
+
+
+class Drawn(NamedTuple):
+    """A walk as somebody drew it.
+
+    Attributes
+    ----------
+    path_m : sequence of (float, float)
+        Corners of the path, map frame; one of them alone gives the scan alone.
+    levels : sequence of str
+        The level of each corner.
+    names : sequence of str
+        All levels of the building, from the lowest up.
+    """
+
+    path_m: Sequence[tuple[float, float]]
+    levels: Sequence[str]
+    names: Sequence[str]
+
+
+class _Way(NamedTuple):
+    """Places along a drawn walk, a step or half a second apart."""
+
+    place_m: FloatArray
+    level: list[str]
+    is_cut: bool
 
 
 def simulated(
-    raster: PlanRaster, path_m: tuple[tuple[float, float], ...], seed: int
+    rasters: Mapping[str, PlanRaster], stairs: Sequence[Stairs], drawn: Drawn, seed: int
 ) -> messages.Simulation:
     """Return a scan at the beginning of a path, and the odometry along it.
 
-    The path ends before the first wall that it would cross.
+    The path ends before the first wall that it would cross. Where two corners lie on different
+    levels, both lie on the same stairs; there it takes its time to climb, and then the phone
+    notices the change by its barometer.
 
     Parameters
     ----------
-    raster : PlanRaster
-    path_m : sequence of (float, float)
-        Corners of the path, map frame; one of them alone gives the scan alone.
+    rasters : mapping
+        Of the levels that are walked on, by name.
+    stairs : sequence of Stairs
+    drawn : Drawn
     seed : int
         Of the world, the phone's noise, and the angle of its frame.
 
     Raises
     ------
     InputError
-        When it begins outside of the building, or is too long.
+        When it begins outside of the building, is too long, or climbs where no stairs are.
 
     Examples
     --------
     >>> from palms import FloorPlan, rasterize
     >>> square = [[[0, 0], [9, 0]], [[9, 0], [9, 9]], [[9, 9], [0, 9]], [[0, 9], [0, 0]]]
-    >>> found = simulated(rasterize(FloorPlan(square)), ((1.0, 1.0), (5.0, 1.0), (5.0, 20.0)), 3)
+    >>> drawn = Drawn(((1.0, 1.0), (5.0, 1.0), (5.0, 20.0)), ["1"] * 3, ["1"])
+    >>> found = simulated({"1": rasterize(FloorPlan(square))}, (), drawn, 3)
     >>> found.is_cut, len(found.samples) > 10, found.truth_m[-1][1] < 9
     (True, True, True)
     """
-    path = np.array(path_m, dtype=np.float64)
-    _check(path, raster)
-    truth_m = _stepped(path)
-    stopped = raster.blocked(truth_m[:-1], truth_m[1:])
-    is_cut = bool(stopped.any())
-    if is_cut:
-        truth_m = truth_m[: int(stopped.argmax()) + 1]
+    first = rasters[drawn.levels[0]]
+    _check(np.array(drawn.path_m, dtype=np.float64), first)
+    way = _way(rasters, stairs, drawn)
     rng = np.random.default_rng(seed)
     drift = float(rng.uniform(-math.pi, math.pi))
-    world = make_world(raster.plan, WorldNoise(), rng)
-    seen = take_scan(world, truth_m[0], drift, ScannerNoise(), rng).scan
+    world = make_world(first.plan, WorldNoise(), rng)
+    seen = take_scan(world, way.place_m[0], drift, ScannerNoise(), rng).scan
     return messages.Simulation(
         scan=_message(seen.walls_m, seen.position_m, seen.coverage_m),
-        samples=_samples(truth_m, drift, rng),
-        truth_m=tuple((float(x), float(y)) for x, y in truth_m), is_cut=is_cut,
+        samples=_samples(way.place_m, drift, rng),
+        truth_m=tuple((float(x), float(y)) for x, y in way.place_m),
+        truth_level=tuple(way.level), changes=tuple(_changes(way, drawn.names)),
+        is_cut=way.is_cut,
     )  # fmt: skip
 
 
@@ -85,6 +119,65 @@ def _check(path: FloatArray, raster: PlanRaster) -> None:
         raise InputError(
             "path", expected="a start inside of the building", got=str(path[0].tolist())
         )
+
+
+def _way(rasters: Mapping[str, PlanRaster], stairs: Sequence[Stairs], drawn: Drawn) -> _Way:
+    """Walk each stretch of corners on one level, and climb between them, until a wall."""
+    places: list[FloatArray] = []
+    levels: list[str] = []
+    corners = list(zip(drawn.path_m, drawn.levels, strict=True))
+    at = 0
+    for level, stretch in itertools.groupby(corners, key=lambda each: each[1]):
+        path = np.array([place for place, _ in stretch], dtype=np.float64)
+        if at:
+            n = _climb_samples(corners[at - 1], (path[0], level), stairs, drawn.names)
+            places.append(np.repeat(path[:1], n, axis=0))
+            levels += [levels[-1]] * (n - 1) + [level]
+        along, is_cut = _walked(path, rasters[level])
+        places.append(along)
+        levels += [level] * len(along)
+        if is_cut:
+            return _Way(np.concatenate(places), levels, True)
+        at += len(path)
+    return _Way(np.concatenate(places), levels, False)
+
+
+def _walked(path: FloatArray, raster: PlanRaster) -> tuple[FloatArray, bool]:
+    """Places along a path up to the first wall that it would cross, and whether there is one."""
+    places = _stepped(path)
+    stopped = raster.blocked(places[:-1], places[1:])
+    if not stopped.any():
+        return places, False
+    return places[: int(stopped.argmax()) + 1], True
+
+
+def _climb_samples(
+    here: tuple[tuple[float, float], str], there: tuple[FloatArray, str],
+    stairs: Sequence[Stairs], names: Sequence[str],
+) -> int:  # fmt: skip
+    """Return how many samples a climb takes; the phone stays on the stairs meanwhile."""
+    import shapely
+
+    ends = shapely.MultiPoint([here[0], there[0].tolist()])
+    areas = [shapely.make_valid(shapely.Polygon(each.polygon_m)) for each in stairs]
+    if not any(area.buffer(REACH_M).covers(ends) for area in areas):
+        raise InputError(
+            "levels", expected="a change between two corners on the same stairs",
+            got=f"one from {here[1]} to {there[1]} elsewhere", fix="lead the path on to stairs",
+        )  # fmt: skip
+    return int(CLIMB_S / STEP_S) * abs(names.index(there[1]) - names.index(here[1]))
+
+
+def _changes(way: _Way, names: Sequence[str]) -> Iterator[messages.LevelChange]:
+    number = [names.index(level) for level in way.level]
+    for k in range(1, len(number)):
+        if number[k] != number[k - 1]:
+            yield messages.LevelChange(
+                seq=1,
+                t_s=STEP_S * k,
+                change=number[k] - number[k - 1],
+                probability=LEVEL_PROBABILITY,
+            )
 
 
 def _stepped(path: FloatArray) -> FloatArray:

@@ -20,7 +20,7 @@ from palms.errors import InputError, OutputError
 from palms.io.files import make_folder
 from palms.server.follower import Terms
 
-__all__ = ["FILE", "MIGRATIONS", "BuildingRow", "SessionRow", "Store"]
+__all__ = ["FILE", "MIGRATIONS", "BuildingRow", "Levels", "SessionRow", "Store"]
 
 FILE = "palms.sqlite3"
 _APPLICATION = 0x50414C4D  # "PALM", so that a file of another program is refused
@@ -46,16 +46,22 @@ MIGRATIONS: tuple[str, ...] = (
         received_s REAL NOT NULL, body BLOB NOT NULL, PRIMARY KEY (session, seq)
     ) STRICT, WITHOUT ROWID;
     """,
+    # sessions on all levels of a building, whose level is ''; older versions know none
+    "UPDATE sessions SET terms = json_set(terms, '$.start_level', NULL);",
 )
+Levels = tuple[tuple[str, str], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class BuildingRow:
-    """A building as it is stored: its levels' plans as ``palms-plan/1`` texts, by name."""
+    """A building as it is stored: its levels' plans as ``palms-plan/1`` texts, by name.
+
+    From the lowest up.
+    """
 
     id: str
     name: str
-    levels: tuple[tuple[str, str], ...]
+    levels: Levels
     is_sample: bool = False
 
 
@@ -68,7 +74,9 @@ class SessionRow:
     id : str
     key_hash : bytes
         SHA-256 of the key that its client goes on with.
-    building, level : str
+    building : str
+    level : str
+        Empty for all levels.
     terms : Terms
     is_recording : bool
     created_s, seen_s : float
@@ -215,18 +223,17 @@ class Store:
                 "INSERT INTO buildings VALUES (?, ?, ?, ?)",
                 (building.id, building.name, int(building.is_sample), now_s),
             )
-            write.executemany(
-                "INSERT INTO levels VALUES (?, ?, ?, ?)",
-                [(building.id, place, *level) for place, level in enumerate(building.levels)],
-            )
+            _add_levels(write, building.id, building.levels)
 
-    def add_level(self, building: str, name: str, plan: str) -> None:
-        """Add a level to a building."""
+    def set_levels(self, building: str, levels: Levels) -> bool:
+        """Replace the levels of a building; False while sessions or recordings are on all."""
         with self._transaction() as write:
-            write.execute(
-                "INSERT INTO levels SELECT ?, count(*), ?, ? FROM levels WHERE building = ?",
-                (building, name, plan, building),
-            )
+            on_all = "SELECT count(*) FROM sessions WHERE building = ? AND level = ''"
+            if write.execute(on_all, (building,)).fetchone()[0]:
+                return False
+            write.execute("DELETE FROM levels WHERE building = ?", (building,))
+            _add_levels(write, building, levels)
+        return True
 
     def buildings(self) -> list[BuildingRow]:
         """All buildings, oldest first."""
@@ -235,7 +242,7 @@ class Store:
         ).fetchall()
         return [BuildingRow(i, name, self._levels(i), bool(sample)) for i, name, sample in rows]
 
-    def _levels(self, building: str) -> tuple[tuple[str, str], ...]:
+    def _levels(self, building: str) -> Levels:
         rows = self._connection.execute(
             "SELECT name, plan FROM levels WHERE building = ? ORDER BY place", (building,)
         )
@@ -318,6 +325,13 @@ class Store:
         with self._transaction() as write:
             write.executemany("DELETE FROM sessions WHERE id = ?", [(each,) for each in sessions])
         self.forget()
+
+
+def _add_levels(write: sqlite3.Connection, building: str, levels: Levels) -> None:
+    write.executemany(
+        "INSERT INTO levels VALUES (?, ?, ?, ?)",
+        [(building, place, *level) for place, level in enumerate(levels)],
+    )
 
 
 def _connected(path: Path) -> sqlite3.Connection:

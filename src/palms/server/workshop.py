@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 from palms.errors import InputError, PalmsError
 from palms.server.limits import Limits
 
-__all__ = ["Upload", "Workshop", "read_plan_text", "run_track"]
+__all__ = ["Upload", "Workshop", "read_level_texts", "run_track"]
 
 LONGEST_NAME = 100
 _FILE_BYTES = 200_000_000  # what a reader may write
@@ -169,44 +169,103 @@ def _put(upload: Upload, folder: str, stem: str) -> Path:
     return path
 
 
-def read_plan_text(upload: Upload, name: str) -> tuple[str, str]:
-    r"""Return the plan of a file as ``palms-plan/1``, and the level that it names.
+def read_level_texts(upload: Upload, name: str, level: str) -> tuple[tuple[str, str], ...]:
+    r"""Return the levels of a file: name and plan as ``palms-plan/1``, from the lowest up.
+
+    Parameters
+    ----------
+    upload : Upload
+    name : str
+        What to call the building.
+    level : str
+        The one that is wanted of several, or what to call the only one; all when empty.
+
+    Raises
+    ------
+    InputError
+        When it cannot be read, or has no such level.
 
     Examples
     --------
-    >>> text, level = read_plan_text(Upload("../hall.csv", b"0,0,8,0\n8,0,8,5\n"), "Hall")
+    >>> file = Upload("../hall.csv", b"0,0,8,0\n8,0,8,5\n")
+    >>> ((level, text),) = read_level_texts(file, "Hall", "")
     >>> level, text[:38]
     ('', '{"schema":"palms-plan/1","name":"Hall"')
     """
     from dataclasses import replace
 
-    from palms.io import FLOORPLANS
     from palms.server.plans import plan_text
 
     with tempfile.TemporaryDirectory(prefix="palms-") as folder:
-        plan = _read(FLOORPLANS, upload, folder, "plan")
-    return plan_text(replace(plan, name=name)), plan.level or ""
+        found = _read_levels(upload, folder)
+    names = [each.name for each in found]
+    if len(found) > 1 and level:
+        if level not in names:
+            raise InputError("level", expected=f"one of {', '.join(names[:20])}", got=repr(level))
+        found = found[names.index(level) : names.index(level) + 1]
+    elif len(set(names)) < len(names):
+        raise InputError(
+            "levels", expected="names of their own", got=", ".join(names[:20]),
+            fix="choose a building with the option building=NAME, or one level",
+        )  # fmt: skip
+    called = level if len(found) == 1 and level else None
+    return tuple(
+        (called or each.name, plan_text(replace(each.plan, name=name), each.stairs))
+        for each in found
+    )
+
+
+def _read_levels(upload: Upload, folder: str) -> Sequence[Any]:
+    """Read all levels of a file that may have several, unless an option says which; else one."""
+    from palms.io import FLOORPLANS, choose_format, read_any
+    from palms.io.levels import LevelPlan
+    from palms.io.options import parse_options
+    from palms.io.reading import read_levels
+
+    def read(path: Path) -> Sequence[Any]:
+        reader = choose_format(FLOORPLANS, path, upload.format)
+        read_all = getattr(reader, "read_levels", None)
+        if read_all is None or any(each.startswith("level=") for each in upload.options):
+            plan = read_any(FLOORPLANS, path, upload.format, upload.options)
+            return [LevelPlan(plan.level or "", 0.0, plan)]
+        options = parse_options(read_all, upload.options, f"option of format {reader.name}")
+        return read_levels(path, format=reader.name, **options)
+
+    found: Sequence[Any] = _at(_put(upload, folder, "plan"), folder, read)
+    return found
 
 
 def _read(group: str, upload: Upload, folder: str, stem: str) -> Any:  # noqa: ANN401
     from palms.io import read_any
 
-    path = _put(upload, folder, stem)
+    return _at(
+        _put(upload, folder, stem), folder,
+        lambda path: read_any(group, path, upload.format, upload.options),
+    )  # fmt: skip
+
+
+def _at(path: Path, folder: str, read: Callable[[Path], Any]) -> Any:  # noqa: ANN401
+    """Read a file; no message tells where it lay."""
     try:
-        return read_any(group, path, upload.format, upload.options)
+        return read(path)
     except PalmsError as error:
         raise InputError(str(error).replace(f"{folder}{os.sep}", "")) from None
 
 
 def run_track(
-    plan: str, scan: Upload, walk: Upload, method: str, source: str, seed: int
+    levels: tuple[tuple[str, str], ...],
+    scan: Upload,
+    walk: Upload,
+    method: str,
+    source: str,
+    seed: int,
 ) -> dict[str, Any]:
     """Return the track of a recorded walk as ``palms-track/1``.
 
     Parameters
     ----------
-    plan : str
-        As ``palms-plan/1``.
+    levels : tuple of (str, str)
+        Name and plan, as ``palms-plan/1``, of the levels that may be walked on.
     scan, walk : Upload
     method, source : str
     seed : int
@@ -219,7 +278,7 @@ def run_track(
     from palms.io import ODOMETRY, SCANS
     from palms.io.track_json import track_document
     from palms.localizer import track
-    from palms.server.plans import plan_of
+    from palms.server.plans import building_of
     from palms.settings import Settings
 
     with tempfile.TemporaryDirectory(prefix="palms-") as folder:
@@ -227,6 +286,7 @@ def run_track(
         recorded = _read(ODOMETRY, walk, folder, "walk")
     kind: Any = source
     odometry = recorded.odometry(kind)
-    floor, settings = plan_of(plan), Settings.for_method(method)
-    found = track(floor, seen, odometry, settings, seed)
-    return track_document([found], floor, settings, scan="scan", walk="walk", walk_source=source)
+    settings, building = Settings.for_method(method), building_of(levels)
+    lowest = building.levels[0]
+    found = track(building if settings.is_ours else lowest, seen, odometry, settings, seed)
+    return track_document([found], lowest, settings, scan="scan", walk="walk", walk_source=source)

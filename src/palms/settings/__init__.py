@@ -21,6 +21,7 @@ from palms.settings.ours import (
     LevelSettings,
     ObservationSettings,
     ResamplingSettings,
+    RestartSettings,
 )
 from palms.settings.presets import METHODS, Settings
 
@@ -37,6 +38,7 @@ __all__ = [
     "ObservationSettings",
     "RasterSettings",
     "ResamplingSettings",
+    "RestartSettings",
     "Settings",
     "StartSettings",
     "TemplateSettings",

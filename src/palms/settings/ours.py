@@ -273,3 +273,35 @@ class LevelSettings:
             climb_per_s=(self.climb_per_s >= 0, "0 or more per second", self.climb_per_s),
             reach_m=(0 <= self.reach_m <= 50, "0 to 50 m", self.reach_m),
         )
+
+
+@dataclass(frozen=True, slots=True)
+class RestartSettings:
+    """What is kept when the odometry's frame is new, by the time without odometry.
+
+    Parameters
+    ----------
+    walk_share : float
+        How often somebody walks on meanwhile; the others stay where they are (ours).
+    speed_m_s : float
+        Of those who walk (ours; people walk indoors at 1.0 to 1.4).
+    leg_s : float
+        So long do they walk straight on, in the mean (ours).
+    keep_s : float
+        After this time nothing of the place holds any more in 63 % of the cases (ours: a lift,
+        another building, a phone in other hands).
+    """
+
+    walk_share: float = 0.5
+    speed_m_s: float = 1.2
+    leg_s: float = 10.0
+    keep_s: float = 1200.0
+
+    def __post_init__(self) -> None:
+        check(
+            "restart",
+            walk_share=(0 <= self.walk_share <= 1, "0 to 1", self.walk_share),
+            speed_m_s=(self.speed_m_s >= 0, "0 m/s or more", self.speed_m_s),
+            leg_s=(self.leg_s > 0, "above 0 s", self.leg_s),
+            keep_s=(self.keep_s > 0, "above 0 s", self.keep_s),
+        )

@@ -20,6 +20,7 @@ from palms.settings.ours import (
     LevelSettings,
     ObservationSettings,
     ResamplingSettings,
+    RestartSettings,
 )
 
 __all__ = ["METHODS", "Settings"]
@@ -52,7 +53,7 @@ class Settings:
         Name of the method, one of `METHODS`.
     raster, template, candidates, start, motion, convergence, answer
         The groups of the paper's method; ours leaves out template, candidates and convergence.
-    observation, resampling, declaration, levels
+    observation, resampling, declaration, levels, restart
         The groups of ours.
     inertial : MotionSettings
         In place of `motion` where the odometry is inertial; the paper has one for both.
@@ -79,6 +80,7 @@ class Settings:
     resampling: ResamplingSettings = _RESAMPLING
     declaration: DeclarationSettings = _DECLARATION
     levels: LevelSettings = field(default_factory=LevelSettings)
+    restart: RestartSettings = field(default_factory=RestartSettings)
     inertial: MotionSettings = _INERTIAL
 
     @classmethod

@@ -45,7 +45,7 @@ class Welcome(Message):
     key: str | None = None
     viewer: int | None = None
     building: Building
-    level: str
+    level: str | None = None
     method: str
     seed: int
     next_seq: int
@@ -71,6 +71,7 @@ class Place(Message):
     y_m: float
     p: float
     drift_rad: float
+    level: str | None = None
     room: str | None = None
 
 
@@ -92,6 +93,7 @@ class Estimate(Message):
     radius_68_m: float | None = None
     radius_95_m: float | None = None
     level: str | None = None
+    p_level: float = 1.0
     room: str | None = None
     lon: float | None = None
     lat: float | None = None
@@ -118,6 +120,7 @@ class Path(Message):
     x_m: tuple[float | None, ...]
     y_m: tuple[float | None, ...]
     stage: tuple[StageWord, ...]
+    level: tuple[str | None, ...] = ()
 
 
 class Viewer(Message):

@@ -2,7 +2,8 @@
 
 A frame begins with the bytes ``PF`` (particles) or ``HF`` (heatmap) and a version byte. Particles
 are two int16 each, in units of the frame's `scale_m` from its origin, and after all of these a byte
-of label each: 10 kB for 2,000.
+of label each: 10 kB for 2,000. In a building of several levels a byte of level each comes last, and
+a heatmap is of one level.
 """
 
 from __future__ import annotations
@@ -21,9 +22,10 @@ __all__ = ["HeatmapFrame", "ParticlesFrame", "pack_heatmap", "pack_particles", "
 VERSION = 1
 LARGEST = 32_767  # of an int16
 CENTIMETRE_M = 0.01
-_PARTICLES = struct.Struct("<2sBxIddddf")  # kind, version, count, seq, t_s, x, y, scale
-_HEATMAP = struct.Struct("<2sBBIddddfff4x")
-# kind, version, map, of how many; seq, drift, x, y, cell, lowest, highest score
+_PARTICLES = struct.Struct("<2sBBIddddf")
+# kind, version, levels, count, seq, t_s, x, y, scale
+_HEATMAP = struct.Struct("<2sBBIddddfffBB2x")
+# kind, version, map, of how many; seq, drift, x, y, cell, lowest, highest score; level, levels
 
 
 class ParticlesFrame(NamedTuple):
@@ -39,12 +41,18 @@ class ParticlesFrame(NamedTuple):
         Map frame, to a centimetre.
     label : (N,) uint8
         Candidate drift, modulo 256.
+    level : (N,) uint8, optional
+        Number of the level, 0 for the lowest, in a building of several.
+    n_levels : int
+        How many levels there are; 0 where the session walks on one.
     """
 
     seq: int
     t_s: float
     position_m: FloatArray
     label: npt.NDArray[np.uint8]
+    level: npt.NDArray[np.uint8] | None = None
+    n_levels: int = 0
 
 
 class HeatmapFrame(NamedTuple):
@@ -64,6 +72,10 @@ class HeatmapFrame(NamedTuple):
         The scores that black and white stand for; of a correlation they have no unit.
     png : bytes
         Grey, eight bits, top row first.
+    level : int
+        Number of the level that it is of, 0 for the lowest.
+    n_levels : int
+        How many levels there are; 0 where the session walks on one.
     """
 
     seq: int
@@ -74,6 +86,8 @@ class HeatmapFrame(NamedTuple):
     cell_size_m: float
     range_nats: tuple[float, float]
     png: bytes
+    level: int = 0
+    n_levels: int = 0
 
 
 def pack_particles(frame: ParticlesFrame) -> bytes:
@@ -90,16 +104,18 @@ def pack_particles(frame: ParticlesFrame) -> bytes:
     scale = np.float32(max(CENTIMETRE_M, float((high - low).max()) / (2 * LARGEST) * 1.001))
     offset = np.round((frame.position_m - origin) / scale).astype("<i2")
     head = _PARTICLES.pack(
-        b"PF", VERSION, len(offset), frame.seq, frame.t_s, *origin.tolist(), float(scale)
-    )
-    return b"".join([head, offset.tobytes(), frame.label.astype(np.uint8).tobytes()])
+        b"PF", VERSION, frame.n_levels, len(offset), frame.seq, frame.t_s, *origin.tolist(),
+        float(scale),
+    )  # fmt: skip
+    told = [frame.label] if frame.level is None else [frame.label, frame.level]
+    return b"".join([head, offset.tobytes(), *(each.astype(np.uint8).tobytes() for each in told)])
 
 
 def pack_heatmap(frame: HeatmapFrame) -> bytes:
     """Return the bytes of a heatmap."""
     head = _HEATMAP.pack(
         b"HF", VERSION, frame.number, frame.of, frame.seq, frame.drift_rad, *frame.origin_m,
-        frame.cell_size_m, *frame.range_nats,
+        frame.cell_size_m, *frame.range_nats, frame.level, frame.n_levels,
     )  # fmt: skip
     return head + frame.png
 
@@ -121,16 +137,18 @@ def unpack_frame(content: bytes) -> ParticlesFrame | HeatmapFrame:
 
 
 def _particles(content: bytes) -> ParticlesFrame:
-    _, _, n, seq, t_s, x, y, scale = _PARTICLES.unpack_from(content)
-    start = _PARTICLES.size
-    if len(content) != start + 5 * n:
-        raise FormatError("particles", expected=f"{start + 5 * n} bytes", got=str(len(content)))
+    _, _, n_levels, n, seq, t_s, x, y, scale = _PARTICLES.unpack_from(content)
+    start, width = _PARTICLES.size, 5 if n_levels == 0 else 6
+    if len(content) != start + width * n:
+        raise FormatError("particles", expected=f"{start + width * n} bytes", got=str(len(content)))
     offset = np.frombuffer(content, "<i2", 2 * n, start).reshape(-1, 2)
     label = np.frombuffer(content, np.uint8, n, start + 4 * n)
-    return ParticlesFrame(int(seq), t_s, np.round(offset * scale + np.array([x, y]), 6), label)
+    level = np.frombuffer(content, np.uint8, n, start + 5 * n) if n_levels else None
+    place = np.round(offset * scale + np.array([x, y]), 6)
+    return ParticlesFrame(int(seq), t_s, place, label, level, n_levels)
 
 
 def _heatmap(content: bytes) -> HeatmapFrame:
-    _, _, number, of, seq, drift, x, y, cell, low, high = _HEATMAP.unpack_from(content)
+    _, _, number, of, seq, drift, x, y, cell, low, high, *levels = _HEATMAP.unpack_from(content)
     png = content[_HEATMAP.size :]
-    return HeatmapFrame(int(seq), number, of, drift, (x, y), cell, (low, high), png)
+    return HeatmapFrame(int(seq), number, of, drift, (x, y), cell, (low, high), png, *levels)

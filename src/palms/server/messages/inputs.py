@@ -26,6 +26,7 @@ __all__ = [
     "Hint",
     "Inertial",
     "Input",
+    "LevelChange",
     "Odometry",
     "Pause",
     "Pose",
@@ -57,6 +58,7 @@ class Hello(Message):
     ticket: Secret | None = None
     building: Name | None = None
     level: Name | None = None
+    one_level: bool = False
     session: Secret | None = None
     key: Secret | None = None
     view: Secret | None = None
@@ -127,19 +129,38 @@ class Scan(Message):
 
 
 class Hint(Message):
-    """Somebody says where the phone is: a room, or near a place of the map."""
+    """Somebody says where the phone is: a room, near a place of the map, or a level."""
 
     type: Literal["hint"] = "hint"
     seq: Sequence
     room: Name | None = None
     place_m: Point | None = None
+    level: Name | None = None
     radius_m: float = Field(5.0, gt=0, le=10_000, allow_inf_nan=False)
     probability: float = Field(0.9, gt=0, lt=1, allow_inf_nan=False)
 
     @model_validator(mode="after")
-    def _one_of_two(self) -> Hint:
-        if (self.room is None) == (self.place_m is None):
-            raise ValueError("a hint has either a room or a place_m")
+    def _says_something(self) -> Hint:
+        given = (self.room is not None) + (self.place_m is not None)
+        if given == 2 or (given == 0 and self.level is None):
+            raise ValueError("a hint has either a room or a place_m, or a level")
+        return self
+
+
+class LevelChange(Message):
+    """The phone notices that it is on another level: by its barometer, or its floor."""
+
+    type: Literal["level"] = "level"
+    seq: Sequence
+    t_s: Seconds | None = None
+    level: Name | None = None
+    change: int | None = Field(None, ge=-200, le=200)
+    probability: float = Field(0.99, gt=0, lt=1, allow_inf_nan=False)
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> LevelChange:
+        if (self.level is None) == (self.change is None):
+            raise ValueError("it has either the level or the change")
         return self
 
 
@@ -189,11 +210,12 @@ class Pause(Message):
 
 
 class Resume(Message):
-    """The phone goes on; without its old frame, the search begins anew."""
+    """The phone goes on; in a new frame its place is kept and its drift found anew."""
 
     type: Literal["resume"] = "resume"
     seq: Sequence
     same_frame: bool = True
+    away_s: float | None = Field(None, ge=0, le=1e6, allow_inf_nan=False)
 
 
 class Share(Message):
@@ -217,7 +239,7 @@ class End(Message):
     keep_recording: bool = True
 
 
-Input = Odometry | Scan | Hint | Inertial | Pause | Resume
+Input = Odometry | Scan | Hint | LevelChange | Inertial | Pause | Resume
 ClientMessage = Hello | Input | Share | Dismiss | End
 
 _MESSAGE: TypeAdapter[ClientMessage] = TypeAdapter(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
 from palms.server.messages.base import Message, Point
-from palms.server.messages.inputs import Sample, Scan
+from palms.server.messages.inputs import LevelChange, Sample, Scan
 
 __all__ = [
     "Building",
@@ -20,6 +20,7 @@ __all__ = [
     "Problem",
     "RecordingList",
     "RecordingSummary",
+    "Room",
     "SessionList",
     "SessionSummary",
     "Simulation",
@@ -40,12 +41,26 @@ class Level(Message):
     bounds_m: Segment
 
 
+class PlanRoom(Message):
+    """A room: its name and outline."""
+
+    name: str
+    polygon_m: tuple[tuple[float, float], ...]
+
+
+class Room(PlanRoom):
+    """A room of a building, with its level."""
+
+    level: str
+
+
 class Building(Message):
     """A building, in few words."""
 
     id: str
     name: str
     levels: tuple[Level, ...]
+    stairs: tuple[PlanRoom, ...] = ()
     is_sample: bool = False
 
 
@@ -53,13 +68,6 @@ class BuildingList(Message):
     """All buildings."""
 
     buildings: tuple[Building, ...]
-
-
-class PlanRoom(Message):
-    """A room: its name and outline."""
-
-    name: str
-    polygon_m: tuple[tuple[float, float], ...]
 
 
 class Plan(Message):
@@ -71,6 +79,7 @@ class Plan(Message):
     segments_m: tuple[Segment, ...]
     classes: tuple[Literal["wall", "door", "opening", "glass"], ...]
     rooms: tuple[PlanRoom, ...] = ()
+    stairs: tuple[PlanRoom, ...] = ()
     outline_m: tuple[tuple[float, float], ...] | None = None
     origin: tuple[float, float] | None = None
 
@@ -80,7 +89,7 @@ class SessionSummary(Message):
 
     session: str
     building: str
-    level: str
+    level: str | None = None
     method: str
     stage: str
     is_connected: bool
@@ -102,7 +111,7 @@ class RecordingSummary(Message):
 
     recording: str
     building: str
-    level: str
+    level: str | None = None
     n_inputs: int
     created_s: float
     ended_s: float
@@ -122,6 +131,7 @@ class SimulationRequest(Message):
     building: str = Field(max_length=100)
     level: str | None = Field(None, max_length=200)
     path_m: tuple[Point, ...] = Field(min_length=1, max_length=5000)
+    levels: tuple[Annotated[str, Field(max_length=200)], ...] = Field((), max_length=5000)
     seed: int = Field(0, ge=0, le=2**53)
 
 
@@ -131,6 +141,8 @@ class Simulation(Message):
     scan: Scan
     samples: tuple[Sample, ...]
     truth_m: tuple[tuple[float, float], ...]
+    truth_level: tuple[str, ...] = ()
+    changes: tuple[LevelChange, ...] = ()
     is_cut: bool
 
 

@@ -10,15 +10,17 @@ from palms.errors import InputError
 from palms.server import messages
 from palms.server.catalogue import UnknownBuilding
 from palms.server.context import Context, Operator, Parts, Visitor
-from palms.server.plans import plan_of
-from palms.server.workshop import Upload, read_plan_text
+from palms.server.workshop import Upload, read_level_texts
 
 __all__ = ["found_building", "router", "upload_of"]
 
 router = APIRouter(prefix="/api/v1/buildings", tags=["buildings"])
 PlanFile = Annotated[UploadFile, File(description="The floor plan, in any format that palms reads")]
 Name = Annotated[str, Form(max_length=100, description="What to call it")]
-LevelName = Annotated[str, Form(max_length=40, description="The floor; as the file says, else 1")]
+LevelName = Annotated[
+    str, Form(max_length=40, description="The level, or which of the file's; all if left out")
+]
+Below = Annotated[str, Form(max_length=200, description="The level that it lies under")]
 Format = Annotated[str, Form(max_length=40, description="The file's format; found out if left out")]
 Options = Annotated[
     list[str], Form(max_length=20, description="Options of its reader, as name=value")
@@ -27,7 +29,8 @@ VISITED: dict[int | str, dict[str, Any]] = {
     401: {"model": messages.Problem},
     404: {"model": messages.Problem},
 }
-LevelQuery = Annotated[str | None, Query(max_length=200, description="The first if left out")]
+LevelQuery = Annotated[str | None, Query(max_length=200, description="The lowest if left out")]
+RoomsOf = Annotated[str | None, Query(max_length=200, description="All levels if left out")]
 
 
 def found_building(context: Context, building: str) -> messages.Building:
@@ -67,16 +70,19 @@ async def show_plan(context: Parts, building: str, level: LevelQuery = None) -> 
 
 
 @router.get("/{building}/rooms", dependencies=[Visitor], responses=VISITED)
-async def show_rooms(
-    context: Parts, building: str, level: LevelQuery = None
-) -> list[messages.PlanRoom]:
-    """List the rooms of a level."""
-    found_building(context, building)
+async def show_rooms(context: Parts, building: str, level: RoomsOf = None) -> list[messages.Room]:
+    """List the rooms of a level, or of all."""
+    found = found_building(context, building)
+    names = [each.name for each in found.levels] if level is None else [level]
     try:
-        text = context.catalogue.plan_text(building, level)
+        texts = [(name, context.catalogue.plan_text(building, name)) for name in names]
     except UnknownBuilding as error:
         raise HTTPException(404, str(error)) from None
-    return list(messages.Plan.model_validate_json(text).rooms)
+    return [
+        messages.Room(name=room.name, polygon_m=room.polygon_m, level=name)
+        for name, text in texts
+        for room in messages.Plan.model_validate_json(text).rooms
+    ]
 
 
 async def upload_of(file: UploadFile, format: str = "", options: list[str] | None = None) -> Upload:
@@ -100,12 +106,13 @@ async def add_building(
     format: Format = "",
     option: Options = [],  # noqa: B006 - a form's default
 ) -> messages.Building:
-    """Upload a floor plan; it becomes a building of one level."""
+    """Upload a floor plan; it becomes a building of all levels that the file has."""
     upload = await upload_of(file, format, option)
     called = name.strip() or upload.name.rsplit(".", 1)[0] or "building"
-    text, own_level = await context.workshop.do(read_plan_text, upload, called)
-    plan = plan_of(text)
-    return await context.catalogue.add(plan, called, level.strip() or own_level or "1")
+    levels = await context.workshop.do(read_level_texts, upload, called, level.strip())
+    return await context.catalogue.add(
+        tuple((own_name or "1", text) for own_name, text in levels), called
+    )
 
 
 @router.post(
@@ -117,21 +124,27 @@ async def add_building(
         422: {"model": messages.Problem},
     },
 )  # fmt: skip
-async def add_level(
+async def add_level(  # noqa: PLR0913, PLR0917 - one for each field of the form
     context: Parts,
     building: str,
     file: PlanFile,
     level: LevelName = "",
+    below: Below = "",
     format: Format = "",
     option: Options = [],  # noqa: B006 - a form's default
 ) -> messages.Building:
-    """Upload one more level of a building."""
+    """Upload one more level of a building, in the frame of the others."""
     known = found_building(context, building)
-    text, own_level = await context.workshop.do(
-        read_plan_text, await upload_of(file, format, option), known.name
-    )
-    called = level.strip() or own_level or str(len(known.levels) + 1)
-    return await context.catalogue.add_level(building, plan_of(text), called)
+    upload = await upload_of(file, format, option)
+    levels = await context.workshop.do(read_level_texts, upload, known.name, level.strip())
+    if len(levels) > 1:
+        raise InputError(
+            "file", expected="one level", got=", ".join(name for name, _ in levels)[:200],
+            fix="say which as level",
+        )  # fmt: skip
+    own_name, text = levels[0]
+    called = own_name or str(len(known.levels) + 1)
+    return await context.catalogue.add_level(building, text, called, below.strip())
 
 
 @router.delete(

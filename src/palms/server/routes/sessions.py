@@ -13,7 +13,7 @@ from palms.server.push import readings_of
 from palms.server.recordings import dataset_zip, recording_document, recording_track
 from palms.server.routes.buildings import found_building
 from palms.server.session import Refused, Session
-from palms.server.store import SessionRow
+from palms.server.store import Levels, SessionRow
 
 __all__ = ["router"]
 
@@ -34,7 +34,7 @@ def _summary(session: Session) -> messages.SessionSummary:
     row, follower = session.row, session.follower
     stage = "unloaded" if follower is None else str(follower.localizer.estimate.stage)
     return messages.SessionSummary(
-        session=row.id, building=row.building, level=row.level, method=row.terms.method,
+        session=row.id, building=row.building, level=row.level or None, method=row.terms.method,
         stage=stage, is_connected=session.walker is not None, is_recording=row.is_recording,
         n_viewers=len(session.viewers), n_inputs=session.next_seq - 1, created_s=row.created_s,
         seen_s=max(row.seen_s, session.left_s),
@@ -76,21 +76,21 @@ async def list_recordings(context: Parts) -> messages.RecordingList:
         n = await context.journal.do(store.n_inputs, row.id)
         found.append(
             messages.RecordingSummary(
-                recording=row.id, building=row.building, level=row.level, n_inputs=n,
+                recording=row.id, building=row.building, level=row.level or None, n_inputs=n,
                 created_s=row.created_s, ended_s=row.ended_s or row.created_s,
             )
         )  # fmt: skip
     return messages.RecordingList(recordings=tuple(found))
 
 
-async def _recording(context: Context, recording: str) -> tuple[SessionRow, list[Any], str]:
-    """Return a recording with its inputs and its plan."""
+async def _recording(context: Context, recording: str) -> tuple[SessionRow, list[Any], Levels]:
+    """Return a recording with its inputs and the levels that it walked on."""
     store = context.journal.store
     row = await context.journal.do(store.session, recording)
     if row is None or row.ended_s is None:
         raise HTTPException(404, "there is no such recording")
     inputs = await context.journal.do(store.inputs, row.id)
-    return row, inputs, context.catalogue.plan_text(row.building, row.level)
+    return row, inputs, context.catalogue.levels(row.building, row.level)
 
 
 @router.get("/recordings/{recording}", dependencies=[Operator], responses=MISSING)
@@ -113,8 +113,8 @@ async def share_recording(
 @router.get("/recordings/{recording}/track", dependencies=[Linked], responses=MISSING)
 async def show_track(context: Parts, recording: str) -> dict[str, Any]:
     """Follow a recording again: the estimates and events that its walker got."""
-    row, inputs, plan = await _recording(context, recording)
-    document: dict[str, Any] = await context.sessions.replay(recording_track, row, inputs, plan)
+    row, inputs, levels = await _recording(context, recording)
+    document: dict[str, Any] = await context.sessions.replay(recording_track, row, inputs, levels)
     return document
 
 
@@ -126,8 +126,8 @@ async def show_track(context: Parts, recording: str) -> dict[str, Any]:
 )
 async def export_dataset(context: Parts, recording: str) -> Response:
     """Export a recording as a data set folder for palms bench, zipped."""
-    row, inputs, plan = await _recording(context, recording)
-    content: bytes = await context.sessions.replay(dataset_zip, row, inputs, plan)
+    row, inputs, levels = await _recording(context, recording)
+    content: bytes = await context.sessions.replay(dataset_zip, row, inputs, levels)
     name = f"attachment; filename=palms-{row.id}.zip"
     return Response(content, media_type="application/zip", headers={"content-disposition": name})
 

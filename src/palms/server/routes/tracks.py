@@ -9,6 +9,7 @@ from fastapi import APIRouter, File, Form, HTTPException, UploadFile
 from palms.server import messages
 from palms.server.catalogue import UnknownBuilding
 from palms.server.context import Operator, Parts
+from palms.server.floor import ALL
 from palms.server.routes.buildings import Format, upload_of
 from palms.server.workshop import run_track
 
@@ -40,11 +41,14 @@ async def follow_walk(  # noqa: PLR0913, PLR0917 - one for each field of the for
 ) -> dict[str, Any]:
     """Follow a recorded walk, from its scan on; returns palms-track/1. Nothing is stored."""
     try:
-        plan = context.catalogue.plan_text(context.catalogue.building(building).id, level or None)
+        found = context.catalogue.building(building).id
+        kept = context.catalogue.level(found, level) if level else ALL
+        if kept == ALL:
+            context.catalogue.check_atlas(found)
     except UnknownBuilding as error:
         raise HTTPException(404, str(error)) from None
     seen, recorded = await upload_of(scan, scan_format), await upload_of(walk, walk_format)
     document: dict[str, Any] = await context.workshop.do(
-        run_track, plan, seen, recorded, method, source, seed
+        run_track, context.catalogue.levels(found, kept), seen, recorded, method, source, seed
     )
     return document
