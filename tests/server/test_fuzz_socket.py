@@ -17,10 +17,14 @@ JUNK = st.recursive(
     | st.dictionaries(st.sampled_from(["t_s", "position_m", "pose", "matrix"]), inner, max_size=3),
     max_leaves=8,
 )  # fmt: skip
-TYPES = ["odometry", "scan", "hint", "inertial", "pause", "resume", "share", "dismiss", "hello"]
+TYPES = [
+    "odometry", "scan", "hint", "inertial", "pause", "resume", "share", "dismiss", "hello",
+    "tell", "ask", "preferences",
+]  # fmt: skip
 KEYS = [
     "seq", "samples", "planes", "t_s", "form", "position_m", "pose", "room", "place_m", "radius_m",
     "probability", "readings", "same_frame", "ttl_s", "viewer", "building", "session", "key",
+    "text", "what", "units", "step_m", "language", "directions", "every_s", "details", "quiet",
 ]  # fmt: skip
 GOOD = [*whole_walk(), {"type": "hint", "seq": 15, "room": "Study"}]
 

@@ -166,6 +166,8 @@ class Follower:
                 return self._observe(message)
             case messages.Hint():
                 self.localizer.hint(_hint(message))
+            case messages.Tell():
+                self.localizer.hint(Hint(room=message.text))
             case messages.Inertial():
                 self._reckoner, samples = reckoned(self._reckoner, message)
                 for sample in samples:

@@ -70,10 +70,12 @@ from palms.server.messages.rest import (
     Ticket,
     TicketRequest,
 )
+from palms.server.messages.speech import Ask, Preferences, Question, Say, SayKind, Tell
 
 __all__ = [
     "SCHEMA",
     "Ack",
+    "Ask",
     "Building",
     "BuildingList",
     "ClientMessage",
@@ -101,12 +103,16 @@ __all__ = [
     "Plan",
     "PlanRoom",
     "Pose",
+    "Preferences",
     "Problem",
+    "Question",
     "Reading",
     "RecordingList",
     "RecordingSummary",
     "Resume",
     "Sample",
+    "Say",
+    "SayKind",
     "Scan",
     "ServerMessage",
     "SessionList",
@@ -114,6 +120,7 @@ __all__ = [
     "Share",
     "Simulation",
     "SimulationRequest",
+    "Tell",
     "Ticket",
     "TicketRequest",
     "Viewer",

@@ -234,6 +234,8 @@ class _Conversation:
             seat.say(messages.Link(view=view, expires_in_s=message.ttl_s))
         elif isinstance(message, messages.Dismiss):
             self._sessions.dismiss(session, message.viewer)
+        elif isinstance(message, messages.Ask | messages.Preferences):
+            seat.say(messages.Error(code="protocol", text="this server does not speak yet"))
         elif isinstance(message, messages.End):
             await asyncio.shield(self._sessions.end(session, "ended", message.keep_recording))
             return True
