@@ -48,7 +48,7 @@ def follower(*names):
 def spoken(inputs, every_s=6.0, preferences=None):
     """What is said when inputs come that far apart."""
     clock, follows = Clock(), follower()
-    speech, found = Speech(follows, clock), []
+    speech, found = Speech(follows, now_s=clock), []
     if preferences is not None:
         found += speech.prefer(preferences)
     for each in inputs:
@@ -134,7 +134,7 @@ def test_who_comes_back_after_a_restart_is_not_told_again():
     clock, follows = Clock(), follower()
     for each in whole_walk():
         follows.apply(parsed(each))
-    speech = Speech(follows, clock)
+    speech = Speech(follows, True, clock)
     last = parsed(odometry(15, positions()[-1]))
     clock.now_s = 100.0
     found = speech.follow(last, follows.apply(last), None)
@@ -216,3 +216,23 @@ def test_moments_have_what_estimates_have():
     moment = moment_of(estimate)
     assert moment.is_placed
     assert (moment.position_m, moment.shares, moment.p_within_2m) == ((1.0, 2.0), (0.9,), 0.98)
+
+
+def test_what_cannot_be_said_stops_nobody(server, phones, monkeypatch):
+    phone = phones(server)
+    phone.hello(receive=HEARS)
+    monkeypatch.setattr(Speech, "follow", lambda *given: 1 / 0)
+    assert phone.walk([scan()])["seq"] == 1
+    monkeypatch.undo()
+    phone.say({"type": "ask"})
+    assert phone.until("say")["kind"] == "answer"
+
+
+def test_whoever_is_localized_by_the_first_input_is_told_so(server, phones):
+    phone = phones(server)
+    phone.hello(receive=HEARS)
+    phone.say(scan())
+    assert phone.until("say")["kind"] == "scan"
+    phone.say({"type": "ask", "what": "where"})
+    answer = phone.until("say")
+    assert "Study" not in answer["text"]  # not before it has proven itself

@@ -37,17 +37,23 @@ class Speech:
     Parameters
     ----------
     follower : Follower
+    is_known : bool
+        Whether the walker knows already how things stand.
     now_s : callable
         A clock that never goes back: the rules are about ears, not about the phone's clock.
     """
 
-    def __init__(self, follower: Follower, now_s: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        follower: Follower,
+        is_known: bool = False,
+        now_s: Callable[[], float] = time.monotonic,
+    ) -> None:
         self._now_s = now_s
         self._n = 0
         self._latest = follower.estimate()
         narrator = Narrator(Voice(follower.floor.around))
-        known = follower.seq > 0
-        self._narrator = narrator.caught_up(moment_of(self._latest)) if known else narrator
+        self._narrator = narrator.caught_up(moment_of(self._latest)) if is_known else narrator
 
     def meanwhile(self, outcome: Outcome) -> None:
         """Take what an input led to, while nobody listens."""
