@@ -11,6 +11,7 @@ from palms.belief import (
     hypotheses,
     settle,
     summarize,
+    whole_m,
 )
 from palms.odometry import Move
 from palms.particles import Particles
@@ -139,6 +140,7 @@ def test_stated_radii_keep_their_order_and_never_grow(radii_m, local_spread):
     assert local_spread * near <= stated[0] + 1e-12
     assert stated[0] <= near
     assert gathered_m(far + 4.0, local_spread) == far + 4.0
+    assert [whole_m(each, local_spread) for each in stated] == pytest.approx([near, far])
 
 
 def test_only_what_is_local_is_drawn_in():

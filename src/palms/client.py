@@ -190,12 +190,16 @@ class LiveSession:
         All that happened.
     viewers : tuple of messages.Viewer
         Who looks on.
+    said : list of messages.Say
+        All that was said; open the session with ``receive=("estimates", "events", "speech")``.
     """
 
     def __init__(self, client: Client, hello: messages.Hello) -> None:
         self.estimate: messages.Estimate | None = None
         self.events: list[messages.Event] = []
         self.viewers: tuple[messages.Viewer, ...] = ()
+        self.said: list[messages.Say] = []
+        self._preferences: messages.Preferences | None = None
         self._client = client
         self._hello = hello
         self._unstored: deque[messages.Input] = deque()
@@ -257,6 +261,28 @@ class LiveSession:
             messages.LevelChange(seq=self._next_seq, change=by, probability=probability)
         )
 
+    def tell(self, text: str) -> messages.Estimate:
+        """Say in free words where the phone is; what was understood is in `said`."""
+        return self._ask(messages.Tell(seq=self._next_seq, text=text))
+
+    def ask(self, what: messages.Question = "where") -> messages.Say:
+        """Ask something; return the answer in words."""
+        self._say(messages.Ask(what=what))
+        while (answer := self._until(messages.Say)).kind != "answer":
+            pass
+        return answer
+
+    def prefer(self, **wanted: Any) -> None:  # noqa: ANN401
+        """Say how one wants to be spoken to.
+
+        Parameters
+        ----------
+        **wanted
+            Fields of `palms.server.messages.Preferences`.
+        """
+        self._preferences = messages.Preferences(**wanted)
+        self._say(self._preferences)
+
     def pause(self) -> messages.Estimate:
         """Say that nothing comes for a while."""
         return self._ask(messages.Pause(seq=self._next_seq))
@@ -314,6 +340,8 @@ class LiveSession:
             self._open().send(message.model_dump_json())
         except ConnectionClosed:
             self._come_back()
+            if not hasattr(message, "seq"):  # inputs have been sent again already
+                self._open().send(message.model_dump_json())
 
     def _open(self) -> ClientConnection:
         if self._socket is None:
@@ -347,6 +375,8 @@ class LiveSession:
                 self.events.append(answer)
             case messages.Viewers():
                 self.viewers = answer.viewers
+            case messages.Say():
+                self.said.append(answer)
         return answer
 
     def _connected(self) -> messages.Welcome:
@@ -372,6 +402,8 @@ class LiveSession:
                 if not self._key or time.monotonic() - began > PATIENCE_S:
                     raise
                 time.sleep(RETRY_S)
+        if self._preferences is not None:
+            self._open().send(self._preferences.model_dump_json())
         for message in list(self._unstored):
             if message.seq >= welcome.next_seq:
                 self._open().send(message.model_dump_json())

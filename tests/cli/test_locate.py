@@ -60,3 +60,12 @@ def test_methods_differ(palms, world, document):
 
 def test_no_place_is_wrong_usage(palms, world):
     assert palms("locate", world.plan, world.scan, "--top", 0).exit_code == 2
+
+
+def test_how_much_the_scan_tells_is_said_and_written(palms, world, tmp_path):
+    path = tmp_path / "places.json"
+    result = palms("locate", world.plan, world.scan, "--json", path)
+    advice = json.loads(path.read_text())["advice"]
+    assert advice["n_walls"] >= 3
+    assert 0 < advice["mass"] <= 1
+    assert f"{advice['n_walls']} walls" in result.output

@@ -1,5 +1,6 @@
 import json
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -237,3 +238,24 @@ def test_walk_is_read_as_the_library_reads_it(world):
 def test_the_oracle_is_to_be_had_elsewhere(palms_fails, world):
     line = palms_fails("track", world.plan, world.scan, world.walk, "--method", "oracle")
     assert line.endswith("run it with: palms bench DATASET --methods oracle --out DIR")
+
+
+def test_what_the_scan_tells_is_said_and_written(palms, world, document):
+    result = palms("track", world.plan, world.scan, world.walk)
+    assert "What the scan tells: " in result.output
+    advice = document["advice"]
+    assert set(advice) == {"n_places", "mass", "n_walls", "one_way", "unseen", "gaps"}
+    assert f"{advice['n_places']} place" in result.output
+    uniform = palms("track", world.plan, world.scan, world.walk, "--method", "uniform")
+    assert "What the scan tells" not in uniform.output
+
+
+def test_say_prints_the_sentences_with_their_times(palms, world):
+    said = palms("track", world.plan, world.scan, world.walk, "--say").output
+    silent = palms("track", world.plan, world.scan, world.walk).output
+    lines = [line for line in said.splitlines() if line not in silent.splitlines()]
+    assert lines
+    assert all(line.lstrip().split()[1] == "s" for line in lines)
+    times = [float(line.split()[0]) for line in lines]
+    assert all(b - a >= 5 for a, b in pairwise(times))
+    assert "Scan taken" in lines[0]

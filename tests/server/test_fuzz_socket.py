@@ -19,11 +19,13 @@ JUNK = st.recursive(
 )  # fmt: skip
 TYPES = [
     "odometry", "scan", "hint", "level", "inertial", "pause", "resume", "share", "dismiss", "hello",
+    "tell", "ask", "preferences",
 ]  # fmt: skip
 KEYS = [
     "seq", "samples", "planes", "t_s", "form", "position_m", "pose", "room", "place_m", "radius_m",
     "probability", "readings", "same_frame", "ttl_s", "viewer", "building", "session", "key",
     "level", "change", "away_s",
+    "text", "what", "units", "step_m", "language", "directions", "every_s", "details", "quiet",
 ]  # fmt: skip
 GOOD = [
     *whole_walk(), {"type": "hint", "seq": 15, "room": "Study"},

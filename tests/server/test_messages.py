@@ -11,7 +11,7 @@ from hypothesis.extra.numpy import arrays
 
 from palms.errors import FormatError, InputError
 from palms.server import messages
-from palms.server.messages import answers, frames, inputs, rest
+from palms.server.messages import answers, frames, inputs, rest, speech
 from palms.server.messages.base import Message
 from tests.docs.pages import DOCS, blocks
 from tests.server.conftest import Phone
@@ -19,7 +19,7 @@ from tests.server.conftest import Phone
 PAGE = DOCS / "reference" / "messages.md"
 MODELS = {
     name: model
-    for module in (inputs, answers, rest)
+    for module in (inputs, answers, rest, speech)
     for name, model in vars(module).items()
     if isinstance(model, type)
     and issubclass(model, Message)
@@ -56,7 +56,7 @@ def test_each_message_has_its_section_and_each_field_its_row():
 
 def test_words_that_a_field_may_hold_are_on_the_page():
     text = PAGE.read_text()
-    for kind in messages.EventKind.__args__:
+    for kind in (*messages.EventKind.__args__, *messages.SayKind.__args__):
         assert f"`{kind}`" in text
     for field in (answers.Error.model_fields["code"], answers.Ended.model_fields["reason"]):
         assert all(f"`{word}`" in text for word in field.annotation.__args__)
@@ -118,6 +118,9 @@ def test_conversations_of_the_page_work(serve, tmp_path, number):
         '[{"t_s": 1, "position_m": [0, 0], "displacement_m": [0, 0]}]}',
         '{"type": "hint", "seq": 1, "room": "a", "place_m": [0, 0]}',
         '{"type": "hint", "seq": 1, "room": "a", "probability": 1}',
+        '{"type": "tell", "seq": 1, "text": ""}', '{"type": "tell", "text": "room 215"}',
+        '{"type": "ask", "what": "why"}', '{"type": "preferences", "every_s": 1}',
+        '{"type": "preferences", "language": "../en"}', '{"type": "preferences", "step_m": 0}',
         '{"type": "inertial", "seq": 1, "readings": '
         '[{"sensor": "gyroscope", "t_s": 0, "values": [1]}]}',
         '{"type": "scan", "seq": 1, "t_s": 0, "planes": [], "pose": {}}', "[" * 100_000,
@@ -170,3 +173,12 @@ def test_heatmaps_survive_the_wire():
     assert messages.unpack_frame(messages.pack_heatmap(frame)) == frame
     with pytest.raises(FormatError):
         messages.unpack_frame(b"HF\x02" + b"\x00" * 80)
+
+
+def test_what_is_told_is_an_input_and_what_is_asked_is_none():
+    told = messages.parse_input('{"type": "tell", "seq": 3, "text": "two fifteen"}')
+    assert (told.seq, told.text) == (3, "two fifteen")
+    for text in ('{"type": "ask"}', '{"type": "preferences"}'):
+        assert messages.parse_message(text).type in ("ask", "preferences")
+        with pytest.raises(InputError):
+            messages.parse_input(text)

@@ -222,7 +222,9 @@ class Catalogue:
 
 
 def _floor(levels: Levels, level: str) -> Floor:
-    return Floor.of(building_of(levels), None if level == ALL else level)
+    floor = Floor.of(building_of(levels), None if level == ALL else level)
+    _ = floor.around  # here, and not while somebody waits for an answer
+    return floor
 
 
 def _is_ready(floor: asyncio.Future[Floor]) -> bool:

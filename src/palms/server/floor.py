@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -12,13 +13,14 @@ from palms.localizer.live import CLEAR_M
 from palms.raster import PlanRaster, rasterize
 from palms.server.naming import Namer
 from palms.settings import LevelSettings, RasterSettings
+from palms.voice import Surroundings
 
 __all__ = ["ALL", "Floor"]
 
 ALL = ""  # what is stored as the level of who walks on all of them
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Floor:
     """A level that sessions share, or all levels of a building.
 
@@ -56,6 +58,13 @@ class Floor:
         for within_m in (reach_m, reach_m + CLEAR_M):  # made now, not by several threads later
             atlas.on_stairs(np.zeros((1, 2)), within_m)
         return cls(atlas.raster(RasterSettings()), Namer(building), None, building)
+
+    @cached_property
+    def around(self) -> Surroundings:
+        """Its rooms, for the voice; made once."""
+        if self.building is not None:
+            return Surroundings.of(self.building)
+        return Surroundings((self.raster.plan,), (self.level or "",))
 
     @property
     def ground(self) -> PlanRaster | Building:

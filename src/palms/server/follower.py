@@ -7,7 +7,6 @@ the network and the other sessions have no part in it.
 from __future__ import annotations
 
 import logging
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -30,6 +29,7 @@ from palms.server.levels import LevelKnown, check_kept, level_hint, level_known,
 from palms.server.reckoner import Reckoner, reckoned
 from palms.server.scans import read_scan
 from palms.settings import Settings
+from palms.voice import Understood, understand
 
 __all__ = ["Floor", "Follower", "Outcome", "Terms"]
 
@@ -77,6 +77,8 @@ class Outcome:
         Why the input, or a part of it, could not be used.
     is_defect : bool
         Whether palms is to blame for that.
+    heard : Understood or None
+        What free words were understood as.
     """
 
     estimate: messages.Estimate
@@ -85,6 +87,7 @@ class Outcome:
     hint: Hint | None = None
     error: str | None = None
     is_defect: bool = False
+    heard: Understood | None = None
 
 
 class Follower:
@@ -117,6 +120,7 @@ class Follower:
         self._reckoner = Reckoner()
         self.watch: Callable[[Move], object] | None = None
         self._was_localized = False
+        self._heard: Understood | None = None
         self._stage = Stage.SEARCHING
         self._is_away = False  # since the frame is new, until something comes with a time
         self._level_known: LevelKnown | None = None
@@ -135,7 +139,7 @@ class Follower:
         message : messages.Input
             Its sequence number is the caller's business.
         """
-        self.seq = message.seq
+        self.seq, self._heard = message.seq, None
         events: list[messages.EventKind] = []
         held, error, is_defect = None, None, False
         try:
@@ -151,7 +155,7 @@ class Follower:
         self._level_known = level_known(self.localizer, self._level_known)
         scan = held if isinstance(held, Scan) else None
         hint = held if isinstance(held, Hint) else None
-        return Outcome(self.estimate(), told, scan, hint, error, is_defect)
+        return Outcome(self.estimate(), told, scan, hint, error, is_defect, self._heard)
 
     def _take(
         self, message: messages.Input, events: list[messages.EventKind]
@@ -166,6 +170,8 @@ class Follower:
                 return self._observe(message)
             case messages.Hint() | messages.LevelChange():
                 return self._listen(message)
+            case messages.Tell():
+                return self._hear(message)
             case messages.Inertial():
                 self._reckoner, samples = reckoned(self._reckoner, message)
                 for sample in samples:
@@ -210,6 +216,21 @@ class Follower:
             self.intake = replace(self.intake, position_m=(x, y))
         self.localizer.observe(scan, np.array(self.intake.position_m))
         return scan
+
+    def _hear(self, message: messages.Tell) -> Hint | None:
+        """Take free words as a hint, where they are understood."""
+        around = self.floor.around
+        self._heard = heard = understand(message.text, around.rooms, around.levels)
+        if heard.kind not in ("room", "level"):
+            return None
+        level = heard.level if self.floor.building is not None else None
+        if heard.room is None and level is None:
+            return None
+        return self._listen(
+            messages.Hint.model_construct(
+                seq=message.seq, room=heard.room, level=level, probability=heard.probability
+            )
+        )
 
     def _resume(self, message: messages.Resume) -> None:
         self.intake = replace(self.intake, is_paused=False)
@@ -276,7 +297,7 @@ class Follower:
         belief = self.localizer.belief
         if belief is None or belief.stage == Stage.SEARCHING:
             return None
-        return _spread(belief.particles.drift_rad, belief.particles.weight)
+        return belief.drift_spread_rad
 
     def _place(self, found: Hypothesis) -> messages.Place:
         level = self.floor.level if found.level is None else found.level
@@ -291,13 +312,6 @@ class Follower:
             return {}
         lon, lat = lonlat(origin, (x, y))
         return {"lon": lon, "lat": lat}
-
-
-def _spread(drift_rad: Any, weight: Any) -> float:  # noqa: ANN401
-    """Circular standard deviation of the drift, at most pi."""
-    east, north = (weight * np.cos(drift_rad)).sum(), (weight * np.sin(drift_rad)).sum()
-    length = math.hypot(float(east), float(north)) / float(weight.sum())
-    return min(math.sqrt(max(-2 * math.log(max(length, 1e-12)), 0.0)), math.pi)
 
 
 def _hint(message: messages.Hint, floor: Floor) -> Hint | None:

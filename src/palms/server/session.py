@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections import deque
 from dataclasses import dataclass, field
 
@@ -11,12 +12,14 @@ from palms.server import messages
 from palms.server.follower import Follower, Outcome
 from palms.server.messages.base import Message
 from palms.server.outbox import Outbox
+from palms.server.speech import Speech
 from palms.server.store import SessionRow
 
 __all__ = ["Refused", "Seat", "Session"]
 
 REMEMBERED = 500  # ours: numbers of pushes, for those that come again
 LONGEST_PATH = 20_000  # ours: steps that who comes later is told
+log = logging.getLogger("palms.server")
 
 
 class Refused(Exception):  # noqa: N818 - an answer, not a defect
@@ -101,6 +104,7 @@ class Session:
     )
     pushed: deque[int] = field(default_factory=lambda: deque(maxlen=REMEMBERED))
     is_over: bool = False
+    speech: Speech | None = None
 
     @property
     def seats(self) -> list[Seat]:
@@ -128,19 +132,43 @@ class Session:
             )
         return texts
 
-    def tell(self, outcome: Outcome, seq: int) -> None:
+    def tell(self, outcome: Outcome, message: messages.Input) -> None:
         """Send what an input led to; a viewer who is slow gets the latest estimate only."""
+        seq = message.seq
         for text in self.note(outcome, seq):
             for seat in self.wants("events"):
                 seat.outbox.put(text)
         if outcome.error is not None and self.walker is not None:
             self.walker.say(messages.Error(code="input", text=outcome.error[:500], seq=seq))
+        self._speak(outcome, message)
         estimate = outcome.estimate.model_dump_json()
         for seat in self.wants("estimates"):
             if seat is self.walker:
                 seat.outbox.put(estimate)
             else:
                 seat.outbox.latest("estimate", estimate)
+
+    def _speak(self, outcome: Outcome, message: messages.Input) -> None:
+        """Say what an input led to in words, where the walker wants to hear it."""
+        walker = self.walker
+        if walker is None or self.follower is None:
+            return
+        try:
+            if "speech" in walker.receive:
+                facing_rad = self.follower.intake.facing_rad
+                for say in self.spoken(message.seq > 1).follow(message, outcome, facing_rad):
+                    walker.say(say)
+            elif self.speech is not None:
+                self.speech.meanwhile(outcome)
+        except Exception:  # whatever it is, nobody is stopped by what cannot be said
+            log.exception("what an input led to could not be said")
+
+    def spoken(self, is_known: bool = True) -> Speech:
+        """Return what speaks for this session; made when it is needed first."""
+        assert self.follower is not None
+        if self.speech is None:
+            self.speech = Speech(self.follower, is_known and self.follower.seq > 0)
+        return self.speech
 
     def note_push(self, number: int | None) -> None:
         """Remember a push by its number."""

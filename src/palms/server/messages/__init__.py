@@ -72,10 +72,12 @@ from palms.server.messages.rest import (
     Ticket,
     TicketRequest,
 )
+from palms.server.messages.speech import Ask, Preferences, Question, Say, SayKind, Tell
 
 __all__ = [
     "SCHEMA",
     "Ack",
+    "Ask",
     "Building",
     "BuildingList",
     "ClientMessage",
@@ -104,13 +106,17 @@ __all__ = [
     "Plan",
     "PlanRoom",
     "Pose",
+    "Preferences",
     "Problem",
+    "Question",
     "Reading",
     "RecordingList",
     "RecordingSummary",
     "Resume",
     "Room",
     "Sample",
+    "Say",
+    "SayKind",
     "Scan",
     "ServerMessage",
     "SessionList",
@@ -118,6 +124,7 @@ __all__ = [
     "Share",
     "Simulation",
     "SimulationRequest",
+    "Tell",
     "Ticket",
     "TicketRequest",
     "Viewer",

@@ -9,6 +9,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from palms.server.messages.base import Message, one_line
 from palms.server.messages.inputs import SCHEMA
 from palms.server.messages.rest import Building
+from palms.server.messages.speech import Say
 
 __all__ = [
     "Ack",
@@ -168,7 +169,7 @@ class Error(Message):
     next_seq: int | None = None
 
 
-ServerMessage = Welcome | Ack | Estimate | Event | Path | Viewers | Link | Ended | Error
+ServerMessage = Welcome | Ack | Estimate | Event | Say | Path | Viewers | Link | Ended | Error
 _ANSWER: TypeAdapter[ServerMessage] = TypeAdapter(
     Annotated[ServerMessage, Field(discriminator="type")]
 )

@@ -8,7 +8,17 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from palms.errors import InputError
 
-__all__ = ["Message", "Metres", "Name", "Number", "Point", "Radians", "Seconds", "one_line"]
+__all__ = [
+    "Message",
+    "Metres",
+    "Name",
+    "Number",
+    "Point",
+    "Radians",
+    "Seconds",
+    "Sequence",
+    "one_line",
+]
 
 Number = Annotated[float, Field(allow_inf_nan=False, ge=-1e9, le=1e9)]
 Metres = Annotated[float, Field(allow_inf_nan=False, ge=-1e5, le=1e5)]
@@ -16,6 +26,7 @@ Radians = Annotated[float, Field(allow_inf_nan=False, ge=-1e3, le=1e3)]
 Seconds = Annotated[float, Field(allow_inf_nan=False, ge=-1e11, le=1e11)]
 Point = tuple[Metres, Metres]
 Name = Annotated[str, Field(max_length=200)]
+Sequence = Annotated[int, Field(ge=1, le=2**53)]
 
 
 class Message(BaseModel):

@@ -14,8 +14,10 @@ from palms.server.messages.base import (
     Point,
     Radians,
     Seconds,
+    Sequence,
     one_line,
 )
+from palms.server.messages.speech import Ask, Preferences, Tell
 
 __all__ = [
     "SCHEMA",
@@ -41,9 +43,8 @@ __all__ = [
 ]
 
 SCHEMA = "palms-live/1"
-Sequence = Annotated[int, Field(ge=1, le=2**53)]
 Secret = Annotated[str, Field(max_length=100)]
-Channel = Literal["estimates", "events", "particles", "heatmaps"]
+Channel = Literal["estimates", "events", "particles", "heatmaps", "speech"]
 Sensor = Literal["accelerometer", "gravity", "totalacceleration", "gyroscope", "orientation"]
 SAMPLES_IN_ONE, READINGS_IN_ONE, SCAN_COST = 10, 500, 10.0  # ours: by what they take to follow
 WIDTHS = {"orientation": 4}  # numbers in a reading; 3 elsewhere
@@ -239,8 +240,8 @@ class End(Message):
     keep_recording: bool = True
 
 
-Input = Odometry | Scan | Hint | LevelChange | Inertial | Pause | Resume
-ClientMessage = Hello | Input | Share | Dismiss | End
+Input = Odometry | Scan | Hint | LevelChange | Tell | Inertial | Pause | Resume
+ClientMessage = Hello | Input | Ask | Preferences | Share | Dismiss | End
 
 _MESSAGE: TypeAdapter[ClientMessage] = TypeAdapter(
     Annotated[ClientMessage, Field(discriminator="type")]
