@@ -31,7 +31,8 @@ def moment_of(estimate: messages.Estimate, local_spread: float = 1.0) -> Moment:
     x, y, radius_m = estimate.x_m, estimate.y_m, estimate.radius_95_m
     return Moment(
         estimate.stage, estimate.walked_m, None if x is None or y is None else (x, y),
-        None if radius_m is None else whole_m(radius_m, local_spread), estimate.facing_rad, estimate.drift_spread_rad, estimate.level,
+        None if radius_m is None else whole_m(radius_m, local_spread),
+        estimate.facing_rad, estimate.drift_spread_rad, estimate.level,
         tuple(place.p for place in estimate.hypotheses), estimate.p_within_2m,
     )  # fmt: skip
 
