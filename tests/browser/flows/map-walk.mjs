@@ -44,6 +44,7 @@ test('a walk that is drawn with the mouse localizes, is shared and replayed', as
   await assertAccessible(page, 'localized');
 
   await page.getByRole('button', { name: 'Keep and share' }).click();
+  await page.getByRole('dialog', { name: 'Share this replay' }).waitFor();
   const link = await page.getByLabel('Link').inputValue();
   await assertAccessible(page, 'the link');
   const guest = await openPage(t, new URL(link).pathname + new URL(link).hash);

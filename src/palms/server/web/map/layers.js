@@ -10,6 +10,7 @@ import { SHAPES, grouped } from './groups.js';
 /** @typedef {{ density: number, colour: (name: string) => string }} Style */
 
 const PARTICLE_PX = 2.1;
+const LONGEST_MOVE_M = 3; // of an answer; it jumped if it is farther
 const TAU = 2 * Math.PI;
 /** How strokes of the path tell the stage; as in the figures. */
 const STAGE_DASHES = { searching: [1, 5], oriented: [7, 5], localized: [], lost: [9, 4, 2, 4] };
@@ -83,6 +84,14 @@ export function mark(canvas, shape, x, y, r) {
 }
 
 /**
+ * @param {Step | undefined} step
+ * @returns {Point | null}
+ */
+function placeOf(step) {
+  return step == null || step.x_m === null || step.y_m === null ? null : [step.x_m, step.y_m];
+}
+
+/**
  * Draw the way of the answers so far: each stage in its own stroke, gaps where it jumped.
  *
  * @param {Canvas} canvas
@@ -99,11 +108,11 @@ export function drawPath(canvas, view, steps, { density, colour }) {
   for (const stage of /** @type {Step['stage'][]} */ (Object.keys(STAGE_DASHES))) {
     canvas.beginPath();
     steps.forEach((step, i) => {
-      const before = steps[i - 1];
-      if (!before || step.stage !== stage || step.x_m === null || before.x_m === null) return;
-      if (Math.hypot(step.x_m - before.x_m, step.y_m - before.y_m) > 3) return;
-      canvas.moveTo(...toScreen(view, [before.x_m, before.y_m]));
-      canvas.lineTo(...toScreen(view, [step.x_m, step.y_m]));
+      const [from, to] = [placeOf(steps[i - 1]), placeOf(step)];
+      if (!from || !to || step.stage !== stage) return;
+      if (Math.hypot(to[0] - from[0], to[1] - from[1]) > LONGEST_MOVE_M) return;
+      canvas.moveTo(...toScreen(view, from));
+      canvas.lineTo(...toScreen(view, to));
     });
     canvas.globalAlpha = stage === 'localized' ? 0.9 : 0.45;
     canvas.setLineDash(STAGE_DASHES[stage]);
