@@ -9,6 +9,7 @@ import { SHAPES, grouped } from './groups.js';
 /** @typedef {CanvasRenderingContext2D} Canvas */
 /** @typedef {{ density: number, colour: (name: string) => string }} Style */
 
+const CROSS_PX = 8; // so that its arms stand out behind an answer
 const PARTICLE_PX = 2.1;
 const LONGEST_MOVE_M = 3; // of an answer; it jumped if it is farther
 const TAU = 2 * Math.PI;
@@ -188,7 +189,7 @@ export function drawAnswer(canvas, view, step, { density, colour }) {
     drawArrow(canvas, x, y, step.heading_rad, colour);
   }
   canvas.beginPath();
-  canvas.arc(x, y, 7, 0, TAU);
+  canvas.arc(x, y, 6.5, 0, TAU);
   canvas.fillStyle = step.stage === 'localized' ? colour('answer') : colour('halo');
   canvas.fill();
   canvas.lineWidth = 2.5;
@@ -231,10 +232,10 @@ export function drawCross(canvas, view, place_m, { density, stroke, halo }) {
   const [x, y] = toScreen(view, place_m);
   for (const [width, ink] of /** @type {[number, string][]} */ ([[6, halo], [2.8, stroke]])) {
     canvas.beginPath();
-    canvas.moveTo(x - 6, y - 6);
-    canvas.lineTo(x + 6, y + 6);
-    canvas.moveTo(x - 6, y + 6);
-    canvas.lineTo(x + 6, y - 6);
+    canvas.moveTo(x - CROSS_PX, y - CROSS_PX);
+    canvas.lineTo(x + CROSS_PX, y + CROSS_PX);
+    canvas.moveTo(x - CROSS_PX, y + CROSS_PX);
+    canvas.lineTo(x + CROSS_PX, y - CROSS_PX);
     canvas.lineWidth = width;
     canvas.strokeStyle = ink;
     canvas.stroke();
