@@ -10,7 +10,7 @@ test('a live session is watched from the list and by a link', async (t) => {
   const operator = await openPage(t);
   await operator.waitForSelector('[data-ready]');
   await operator.getByRole('tab', { name: 'Live' }).click();
-  await operator.getByRole('button', { name: /^Watch: Sample building/ }).last().click();
+  await operator.getByRole('button', { name: /^Watch: Sample building/ }).first().click();
   await operator.locator('[data-stage=searching]').waitFor();
   await assertAccessible(operator, 'live');
 

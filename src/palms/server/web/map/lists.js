@@ -51,14 +51,16 @@ function stageOf({ stage, is_connected }) {
 }
 
 /**
- * Show who walks now.
+ * Show who walks now: those whose phone is there first, and the newest of them.
  *
  * @param {(id: string) => string} nameOf a building
  * @param {(session: string) => void} watch
  */
 export async function showSessions(nameOf, watch) {
   const { sessions } = await askJson('GET', '/api/v1/sessions');
-  refill($('sessions'), sessions.map((/** @type {any} */ each) => {
+  const inOrder = sessions.toSorted((/** @type {any} */ a, /** @type {any} */ b) =>
+    b.is_connected - a.is_connected || b.created_s - a.created_s);
+  refill($('sessions'), inOrder.map((/** @type {any} */ each) => {
     const looking = each.n_viewers ? `, ${each.n_viewers} looking on` : '';
     const more = `${stageOf(each)}, since ${when(each.created_s)}${looking}`;
     const title = `${nameOf(each.building)}, level ${each.level}`;
