@@ -79,8 +79,9 @@ def heatmap_frames(floor: Floor, scan: Scan, settings: Settings, seq: int) -> li
     frames: list[bytes] = []
     for number, each in enumerate(best):
         frame = HeatmapFrame(
-            seq, number, len(best), float(maps.drifts_rad[each]), (0.0, 0.0), 0.0, span, b""
-        )
+            seq, number, len(best), float(maps.drifts_rad[each]), (0.0, 0.0), 0.0, span, b"",
+            label=each, n_labels=len(maps),
+        )  # fmt: skip
         scores = maps.scores(each)
         frames += [pack_heatmap(one) for one in _of_levels(frame, scores, maps.grid, floor)]
     return frames

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import re
+import struct
 import tempfile
 import zipfile
 from dataclasses import replace
@@ -24,13 +25,17 @@ from palms.odometry import Move, Odometry
 from palms.server import messages
 from palms.server.floor import ALL, Floor
 from palms.server.follower import START_SURE, Follower
+from palms.server.pictures import heatmap_frames, particles_frame
 from palms.server.plans import building_of
 from palms.server.store import Levels, SessionRow
 
-__all__ = ["dataset_zip", "recording_document", "recording_track"]
+__all__ = ["dataset_zip", "recording_document", "recording_frames", "recording_track"]
 
 Inputs = list[tuple[int, float, str]]
 SCHEMA = "palms-recording/1"
+MOST_PARTICLES = 1000  # ours: of a frame
+MOST_FRAMES = 2000  # ours: of a recording; together at most 10 MB
+_LENGTH = struct.Struct("<I")
 
 
 def recording_document(row: SessionRow, inputs: Inputs) -> dict[str, Any]:
@@ -78,6 +83,30 @@ def recording_track(row: SessionRow, inputs: Inputs, levels: Levels) -> dict[str
         "plans": [json.loads(text) | {"level": name} for name, text in levels],
         "estimates": estimates, "events": events,
     }  # fmt: skip
+
+
+def recording_frames(row: SessionRow, inputs: Inputs, levels: Levels) -> bytes:
+    """Follow a recording again; return its particles and heatmaps.
+
+    Returns
+    -------
+    bytes
+        Binary frames as viewers get them, each after its length, a little-endian uint32. Of
+        long recordings not every input has its particles.
+    """
+    follower = _follower(row, levels)
+    every = -(-len(inputs) // MOST_FRAMES)
+    frames = []
+    for index, (_, _, text) in enumerate(inputs):
+        message = messages.parse_input(text)
+        outcome = follower.apply(message)
+        belief, seq = follower.localizer.belief, message.seq
+        if outcome.scan is not None:
+            frames += heatmap_frames(follower.floor, outcome.scan, follower.settings, seq)
+        if belief is not None and (index % every == 0 or outcome.scan is not None):
+            when, atlas = (seq, outcome.estimate.t_s), follower.localizer.atlas
+            frames.append(particles_frame(belief.particles, when, MOST_PARTICLES, atlas))
+    return b"".join(part for frame in frames for part in (_LENGTH.pack(len(frame)), frame))
 
 
 def _follower(row: SessionRow, levels: Levels) -> Follower:

@@ -12,14 +12,21 @@ import numpy as np
 from palms.building import Stairs
 from palms.errors import InputError
 from palms.evaluation.simulation import (
+    Place,
+    RouteSettings,
     ScannerNoise,
+    StartSettings,
     TrueWalk,
     VioNoise,
     WorldNoise,
+    choose_start,
+    free_space,
     make_world,
+    plan_route,
     take_scan,
     vio_odometry,
 )
+from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
 from palms.io.happenings import LEVEL_PROBABILITY
 from palms.odometry import Move
@@ -31,6 +38,8 @@ __all__ = ["Drawn", "simulated"]
 STEP_M = 0.65  # ours: a human step
 STEP_S = 0.5
 LONGEST_M = 2000.0  # ours: of a drawn walk
+DEFAULT_M = 80.0  # ours: of a chosen walk; most are localized long before
+_CHOICE = 1  # purpose of random numbers
 CLIMB_S = 12.0  # ours: for each level
 REACH_M = 0.5  # ours: corners of a path are drawn so exactly
 
@@ -40,15 +49,16 @@ class Drawn(NamedTuple):
 
     Attributes
     ----------
-    path_m : sequence of (float, float)
-        Corners of the path, map frame; one of them alone gives the scan alone.
+    path_m : sequence of (float, float) or None
+        Corners of the path, map frame; one of them alone gives the scan alone. None: a walk is
+        chosen as people walk, from where there is much to see, along corridors.
     levels : sequence of str
-        The level of each corner.
+        The level of each corner; the one level of a walk that is chosen.
     names : sequence of str
         All levels of the building, from the lowest up.
     """
 
-    path_m: Sequence[tuple[float, float]]
+    path_m: Sequence[tuple[float, float]] | None
     levels: Sequence[str]
     names: Sequence[str]
 
@@ -62,7 +72,11 @@ class _Way(NamedTuple):
 
 
 def simulated(
-    rasters: Mapping[str, PlanRaster], stairs: Sequence[Stairs], drawn: Drawn, seed: int
+    rasters: Mapping[str, PlanRaster],
+    stairs: Sequence[Stairs],
+    drawn: Drawn,
+    seed: int,
+    length_m: float = DEFAULT_M,
 ) -> messages.Simulation:
     """Return a scan at the beginning of a path, and the odometry along it.
 
@@ -77,12 +91,15 @@ def simulated(
     stairs : sequence of Stairs
     drawn : Drawn
     seed : int
-        Of the world, the phone's noise, and the angle of its frame.
+        Of the world, the phone's noise, the angle of its frame, and the choice.
+    length_m : float
+        Of a walk that is chosen.
 
     Raises
     ------
     InputError
-        When it begins outside of the building, is too long, or climbs where no stairs are.
+        When it begins outside of the building, is too long, or climbs where no stairs are; when
+        there is none to choose.
 
     Examples
     --------
@@ -94,6 +111,10 @@ def simulated(
     (True, True, True)
     """
     first = rasters[drawn.levels[0]]
+    if drawn.path_m is None:
+        path = _chosen(first.plan, length_m, np.random.default_rng((seed, _CHOICE)))
+        corners = [(float(x), float(y)) for x, y in path]
+        drawn = drawn._replace(path_m=corners, levels=[drawn.levels[0]] * len(corners))
     _check(np.array(drawn.path_m, dtype=np.float64), first)
     way = _way(rasters, stairs, drawn)
     rng = np.random.default_rng(seed)
@@ -109,8 +130,23 @@ def simulated(
     )  # fmt: skip
 
 
+def _chosen(plan: FloorPlan, length_m: float, rng: np.random.Generator) -> FloatArray:
+    """Return a way through a building as people take it."""
+    world = make_world(plan, WorldNoise.none(), rng)
+    free = free_space(world, RouteSettings())
+    none = np.empty((0, 2))
+    taken = choose_start(Place(world, free), none, ScannerNoise(), StartSettings(), rng)
+    route_m = plan_route(free, taken.position_m, length_m, RouteSettings(), rng)
+    return route_m[: 1 + int(np.searchsorted(_along(route_m), length_m))]
+
+
+def _along(path: FloatArray) -> FloatArray:
+    """Length of a path (N, 2) up to each of its points."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+
+
 def _check(path: FloatArray, raster: PlanRaster) -> None:
-    length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+    length = float(_along(path)[-1])
     if length > LONGEST_M:
         raise InputError("path", expected=f"at most {LONGEST_M:g} m", got=f"{length:.0f} m")
     row, column = (int(v) for v in raster.grid.cell_of(path[0]))
@@ -125,7 +161,7 @@ def _way(rasters: Mapping[str, PlanRaster], stairs: Sequence[Stairs], drawn: Dra
     """Walk each stretch of corners on one level, and climb between them, until a wall."""
     places: list[FloatArray] = []
     levels: list[str] = []
-    corners = list(zip(drawn.path_m, drawn.levels, strict=True))
+    corners = list(zip(drawn.path_m or (), drawn.levels, strict=True))
     at = 0
     for level, stretch in itertools.groupby(corners, key=lambda each: each[1]):
         path = np.array([place for place, _ in stretch], dtype=np.float64)
@@ -182,7 +218,7 @@ def _changes(way: _Way, names: Sequence[str]) -> Iterator[messages.LevelChange]:
 
 def _stepped(path: FloatArray) -> FloatArray:
     """Places (N, 2) along a path, a step apart."""
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    along = _along(path)
     n = int(along[-1] / STEP_M)
     at = STEP_M * np.arange(n + 1)
     return np.column_stack([np.interp(at, along, path[:, axis]) for axis in (0, 1)])

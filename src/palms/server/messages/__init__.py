@@ -56,6 +56,7 @@ from palms.server.messages.inputs import (
 from palms.server.messages.rest import (
     Building,
     BuildingList,
+    CodeRequest,
     Health,
     Level,
     LinkRequest,
@@ -81,6 +82,7 @@ __all__ = [
     "Building",
     "BuildingList",
     "ClientMessage",
+    "CodeRequest",
     "Dismiss",
     "End",
     "Ended",

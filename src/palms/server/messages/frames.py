@@ -24,8 +24,9 @@ LARGEST = 32_767  # of an int16
 CENTIMETRE_M = 0.01
 _PARTICLES = struct.Struct("<2sBBIddddf")
 # kind, version, levels, count, seq, t_s, x, y, scale
-_HEATMAP = struct.Struct("<2sBBIddddfffBB2x")
-# kind, version, map, of how many; seq, drift, x, y, cell, lowest, highest score; level, levels
+_HEATMAP = struct.Struct("<2sBBIddddfffBBHH2x")
+# kind, version, map, of how many; seq, drift, x, y, cell, lowest, highest score; level, levels;
+# label, labels
 
 
 class ParticlesFrame(NamedTuple):
@@ -76,6 +77,10 @@ class HeatmapFrame(NamedTuple):
         Number of the level that it is of, 0 for the lowest.
     n_levels : int
         How many levels there are; 0 where the session walks on one.
+    label : int
+        Of the particles of this drift.
+    n_labels : int
+        How many drifts there were; labels go round the circle in order.
     """
 
     seq: int
@@ -88,6 +93,8 @@ class HeatmapFrame(NamedTuple):
     png: bytes
     level: int = 0
     n_levels: int = 0
+    label: int = 0
+    n_labels: int = 0
 
 
 def pack_particles(frame: ParticlesFrame) -> bytes:
@@ -115,7 +122,8 @@ def pack_heatmap(frame: HeatmapFrame) -> bytes:
     """Return the bytes of a heatmap."""
     head = _HEATMAP.pack(
         b"HF", VERSION, frame.number, frame.of, frame.seq, frame.drift_rad, *frame.origin_m,
-        frame.cell_size_m, *frame.range_nats, frame.level, frame.n_levels,
+        frame.cell_size_m, *frame.range_nats, frame.level, frame.n_levels, frame.label,
+        frame.n_labels,
     )  # fmt: skip
     return head + frame.png
 
@@ -149,6 +157,6 @@ def _particles(content: bytes) -> ParticlesFrame:
 
 
 def _heatmap(content: bytes) -> HeatmapFrame:
-    _, _, number, of, seq, drift, x, y, cell, low, high, *levels = _HEATMAP.unpack_from(content)
+    _, _, number, of, seq, drift, x, y, cell, low, high, *rest = _HEATMAP.unpack_from(content)
     png = content[_HEATMAP.size :]
-    return HeatmapFrame(int(seq), number, of, drift, (x, y), cell, (low, high), png, *levels)
+    return HeatmapFrame(int(seq), number, of, drift, (x, y), cell, (low, high), png, *rest)

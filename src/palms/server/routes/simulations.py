@@ -26,7 +26,7 @@ router = APIRouter(prefix="/api/v1/simulations", tags=["simulations"])
     },
 )  # fmt: skip
 async def simulate_walk(context: Parts, wanted: messages.SimulationRequest) -> messages.Simulation:
-    """Simulate what a phone would send on a drawn walk: a scan at its start, and odometry."""
+    """Simulate what a phone would send on a walk: a scan at its start, and odometry."""
     try:
         building = context.catalogue.building(wanted.building).id
         names = [context.catalogue.level(building, name) for name in _levels(wanted)]
@@ -39,12 +39,14 @@ async def simulate_walk(context: Parts, wanted: messages.SimulationRequest) -> m
     }  # fmt: skip
     stairs = [Stairs(each.name, np.array(each.polygon_m)) for each in found.stairs]
     drawn = Drawn(wanted.path_m, names, [level.name for level in found.levels])
-    return await context.sessions.replay(simulated, rasters, stairs, drawn, wanted.seed)
+    return await context.sessions.replay(
+        simulated, rasters, stairs, drawn, wanted.seed, wanted.length_m
+    )
 
 
 def _levels(wanted: messages.SimulationRequest) -> list[str | None]:
-    """Return the level of each corner of a path."""
-    n = len(wanted.path_m)
+    """Return the level of each corner of a path; of a walk to be chosen, the level alone."""
+    n = 1 if wanted.path_m is None else len(wanted.path_m)
     if wanted.levels and len(wanted.levels) != n:
         raise InputError(
             "levels", expected=f"one for each of {n} corners", got=str(len(wanted.levels))
