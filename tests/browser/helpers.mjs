@@ -24,11 +24,13 @@ after(() => browser?.close());
  * @param {import('node:test').TestContext} t
  * @param {string} path such as `/`
  * @param {object} [options] of playwright's `newContext`; `init` is a script that runs before the
- *   page's own, or a list of them; `expected` a pattern of errors that belong to the test
+ *   page's own, or a list of them; `clock` lets the test hold the page's clock; `expected` is a
+ *   pattern of errors that belong to the test
  */
-export async function openPage(t, path = '/', { init = [], expected, ...options } = {}) {
+export async function openPage(t, path = '/', { init = [], expected, clock = false, ...options } = {}) {
   const context = await browser.newContext({ ignoreHTTPSErrors: true, ...options });
   context.setDefaultTimeout(PATIENCE_MS);
+  if (clock) await context.clock.install();
   for (const script of [init].flat()) await context.addInitScript(script);
   const page = await context.newPage();
   const problems = watchForProblems(page);

@@ -1,0 +1,99 @@
+// Before the walk: which building, and who lets the phone in.
+
+import { askJson, ticketFor, token } from '../shared/rest.js';
+import { element, fillChoices, showProblem } from './screens.js';
+
+/**
+ * @typedef {object} Level
+ * @property {string} name
+ *
+ * @typedef {object} Building
+ * @property {string} id
+ * @property {string} name
+ * @property {Level[]} levels
+ */
+
+/**
+ * Return the ticket that the page's address carries behind its #, and take it out of there.
+ *
+ * @param {Location} place
+ * @param {History} past
+ */
+export function takeTicket(place, past) {
+  const found = new URLSearchParams(place.hash.slice(1)).get('ticket');
+  if (place.hash) past.replaceState(null, '', place.pathname);
+  return found;
+}
+
+export class Entrance {
+  /** @type {Building[]} */ buildings = [];
+
+  /**
+   * @param {import('./texts.js').Texts} texts
+   * @param {string | null} ticket
+   */
+  constructor(texts, ticket) {
+    this.texts = texts;
+    this.ticket = ticket;
+    element('building').addEventListener('change', () => this.#showLevels());
+    element('token-form').addEventListener('submit', (/** @type {Event} */ event) => {
+      event.preventDefault();
+      token.set(element('token').value);
+      this.ticket = null;
+      this.open();
+    });
+  }
+
+  /** Find out which buildings may be chosen. A ticket says it itself. */
+  async open() {
+    showProblem('choose-problem');
+    if (this.ticket) return;
+    try {
+      this.buildings = (await askJson('GET', '/api/v1/buildings')).buildings;
+    } catch (problem) {
+      const { status } = /** @type {{ status: number }} */ (/** @type {unknown} */ (problem));
+      this.refuse(status === 401 ? 'choose.needTicket' : 'choose.noServer');
+      return;
+    }
+    if (this.buildings.length === 0) this.refuse('choose.noBuilding');
+    this.#showBuildings();
+  }
+
+  /** @param {string} key of the text that says why not */
+  refuse(key) {
+    showProblem('choose-problem', this.texts.of(key));
+  }
+
+  #showBuildings() {
+    const choices = this.buildings.map(({ id, name }) => ({ value: id, text: name }));
+    for (const id of ['building', 'upload-building']) fillChoices(element(id), choices);
+    element('building-field').hidden = choices.length === 0;
+    this.#showLevels();
+  }
+
+  #showLevels() {
+    const levels = this.#chosen()?.levels ?? [];
+    fillChoices(element('level'), levels.map(({ name }) => ({ value: name, text: name })));
+    element('level-field').hidden = levels.length < 2;
+  }
+
+  #chosen() {
+    return this.buildings.find(({ id }) => id === element('building').value);
+  }
+
+  /** Whether somebody could start now. */
+  get isReady() {
+    return Boolean(this.ticket ?? this.#chosen());
+  }
+
+  /** What hello says of the place. */
+  get terms() {
+    if (this.ticket) return {};
+    return { building: element('building').value, level: element('level').value || null };
+  }
+
+  /** A one-time ticket for hello, where the server wants one. */
+  async newTicket() {
+    return this.ticket ?? ticketFor({ role: 'walker', building: element('building').value });
+  }
+}
