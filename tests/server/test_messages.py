@@ -169,7 +169,9 @@ def test_two_thousand_particles_are_ten_kilobytes():
 
 
 def test_heatmaps_survive_the_wire():
-    frame = messages.HeatmapFrame(7, 2, 4, 0.5, (1.5, -2.5), 0.25, (-3.0, 8.0), b"\x89PNG...")
+    frame = messages.HeatmapFrame(
+        7, 2, 4, 0.5, (1.5, -2.5), 0.25, (-3.0, 8.0), b"\x89PNG...", 3, 16
+    )
     assert messages.unpack_frame(messages.pack_heatmap(frame)) == frame
     with pytest.raises(FormatError):
         messages.unpack_frame(b"HF\x02" + b"\x00" * 80)

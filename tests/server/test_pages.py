@@ -20,7 +20,7 @@ def who_may(method, path, operation):
         return "session's key"
     if method == "get" and path.startswith("/api/v1/buildings/"):
         return "visitor"
-    if path.endswith("/track"):
+    if path.endswith(("/track", "/frames")):
         return "operator, or a link"
     guarded = "401" in operation["responses"] or path in ("/metrics", "/api/v1/backup")
     return "operator" if guarded else "anybody"

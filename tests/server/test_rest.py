@@ -13,6 +13,7 @@ from palms import Odometry, Scan, Settings
 from palms.geometry import distance_to_segments, rotate
 from palms.io import RecordedWalk, open_dataset, write_scan_json, write_tracking
 from palms.io.track_json import track_document
+from palms.server import messages
 from palms.server.limits import Limits
 from tests.server.conftest import hall, http, positions, scan_walls, whole_walk
 
@@ -211,6 +212,7 @@ def test_a_link_shows_a_recording_s_track_and_nothing_else(serve, phones):
     track = http.get(f"{place}/track", headers=linked)
     assert track.status_code == 200
     assert track.json()["plan"]["schema"] == "palms-plan/1"
+    assert http.get(f"{place}/frames", headers=linked).status_code == 200
     for other in (f"{place}/dataset", place, f"{url}/api/v1/recordings", f"{url}/api/v1/backup"):
         assert http.get(other, headers=linked).status_code == 401
     assert http.get(f"{place}/track").status_code == 401
@@ -248,6 +250,51 @@ def test_a_drawn_walk_is_simulated_in_one_frame(rest, server, phones):
         refused = rest.post("/api/v1/simulations", json=sent | {"path_m": path})
         assert refused.status_code == 422
     assert rest.post("/api/v1/simulations", json=sent | {"building": "x"}).status_code == 404
+
+
+def test_a_walk_is_chosen_where_none_is_drawn(rest):
+    sent = {"building": "hall", "length_m": 6.0, "seed": 3}
+    found = rest.post("/api/v1/simulations", json=sent).json()
+    truth = np.array(found["truth_m"])
+    walked = np.linalg.norm(np.diff(truth, axis=0), axis=1).sum()
+    assert 5 < walked <= 6
+    assert not found["is_cut"]
+    assert len(found["samples"]) == len(truth) - 1
+    assert rest.post("/api/v1/simulations", json=sent).json() == found
+    other = rest.post("/api/v1/simulations", json=sent | {"seed": 4}).json()
+    assert other["truth_m"][0] != found["truth_m"][0]
+    assert rest.post("/api/v1/simulations", json=sent | {"length_m": 1e6}).status_code == 422
+
+
+def frames_of(content):
+    """The binary frames of a stream in which each follows its length."""
+    at = 0
+    while at < len(content):
+        n = int.from_bytes(content[at : at + 4], "little")
+        yield messages.unpack_frame(content[at + 4 : at + 4 + n])
+        at += 4 + n
+
+
+def test_a_recording_s_frames_are_those_that_a_viewer_got(server, phones, rest):
+    name, last = recorded(server, phones, particles=800)
+    answer = rest.get(f"/api/v1/recordings/{name}/frames")
+    assert answer.headers["content-type"] == "application/octet-stream"
+    found = list(frames_of(answer.content))
+    maps = [each for each in found if isinstance(each, messages.HeatmapFrame)]
+    assert [each.number for each in maps] == list(range(len(maps)))
+    assert all(each.label < each.n_labels for each in maps)
+    clouds = [each for each in found if isinstance(each, messages.ParticlesFrame)]
+    assert [each.seq for each in clouds] == list(range(1, 16))
+    away = np.linalg.norm(clouds[-1].position_m - [last["x_m"], last["y_m"]], axis=1)
+    assert np.mean(away <= last["radius_95_m"]) == pytest.approx(0.95, abs=0.06)
+
+
+def test_an_address_is_drawn_as_a_code(rest):
+    answer = rest.post("/api/v1/codes", json={"text": "https://palms.local:8000/phone/"})
+    assert answer.headers["content-type"] == "image/svg+xml"
+    assert answer.text.startswith("<svg ")
+    assert "script" not in answer.text
+    assert rest.post("/api/v1/codes", json={"text": ""}).status_code == 422
 
 
 def test_a_recording_without_a_walk_is_no_data_set(server, phones, rest):

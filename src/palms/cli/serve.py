@@ -120,6 +120,7 @@ def _check_extra() -> None:
     try:
         import fastapi  # noqa: F401
         import python_multipart  # noqa: F401
+        import segno  # noqa: F401
         import uvicorn  # noqa: F401
         import websockets  # noqa: F401
     except ImportError as error:

@@ -25,7 +25,15 @@ from palms.server.guard import Guard
 from palms.server.inputs import Pools
 from palms.server.journal import Journal
 from palms.server.limits import Limits
-from palms.server.routes import buildings, operations, sessions, simulations, socket, tracks
+from palms.server.routes import (
+    buildings,
+    codes,
+    operations,
+    sessions,
+    simulations,
+    socket,
+    tracks,
+)
 from palms.server.sessions import Sessions
 from palms.server.store import Store
 from palms.server.workshop import Workshop
@@ -86,7 +94,7 @@ def make_application(setup: Setup) -> FastAPI:
     app.state.setup = setup
     app.state.store = Store(setup.data)
     app.state.sockets = set()
-    for part in (buildings, sessions, tracks, simulations, operations, socket):
+    for part in (buildings, sessions, tracks, simulations, codes, operations, socket):
         app.include_router(part.router)
     app.add_middleware(Guard, gate=setup.gate, limits=setup.limits)
     app.add_exception_handler(PalmsError, _input_at_fault)

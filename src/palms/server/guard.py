@@ -17,7 +17,7 @@ __all__ = ["HEADERS", "Guard"]
 MAX_ADDRESSES = 10_000
 HEADERS = {
     "content-security-policy": (
-        "default-src 'self'; img-src 'self' data: blob:; connect-src 'self' ws: wss:; "
+        "default-src 'self'; img-src 'self' data: blob:; connect-src 'self'; "
         "style-src 'self'; script-src 'self'; object-src 'none'; base-uri 'none'; "
         "form-action 'none'; frame-ancestors 'none'"
     ),
@@ -112,7 +112,7 @@ def _with_headers(scope: Scope, send: Send) -> Send:
     async def sending(message: Message) -> None:
         if message["type"] == "http.response.start":
             known = {name for name, _ in message["headers"]}
-            wanted = HEADERS | ({"cache-control": "no-store"} if is_data else {})
+            wanted = HEADERS | {"cache-control": "no-store" if is_data else "no-cache"}
             pairs = [(name.encode(), value.encode()) for name, value in wanted.items()]
             extra = [pair for pair in pairs if pair[0] not in known]
             message = {**message, "headers": [*message["headers"], *extra]}

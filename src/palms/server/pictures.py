@@ -73,6 +73,7 @@ def _frames(
         yield HeatmapFrame(
             seq, index, len(best), float(maps.drifts_rad[each]), (x, y),
             k * grid.cell_size_m, span, _png(np.round(grey[::-1]).astype(np.uint8)),
+            each, len(maps),
         )  # fmt: skip
 
 

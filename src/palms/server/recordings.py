@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import struct
 import tempfile
 import zipfile
 from dataclasses import replace
@@ -21,13 +22,17 @@ from palms.raster import rasterize
 from palms.server import messages
 from palms.server.follower import Floor, Follower
 from palms.server.naming import Namer
+from palms.server.pictures import heatmap_frames, particles_frame
 from palms.server.plans import plan_of
 from palms.server.store import SessionRow
 
-__all__ = ["dataset_zip", "recording_document", "recording_track"]
+__all__ = ["dataset_zip", "recording_document", "recording_frames", "recording_track"]
 
 Inputs = list[tuple[int, float, str]]
 SCHEMA = "palms-recording/1"
+MOST_PARTICLES = 1000  # ours: of a frame
+MOST_FRAMES = 2000  # ours: of a recording; together at most 10 MB
+_LENGTH = struct.Struct("<I")
 
 
 def recording_document(row: SessionRow, inputs: Inputs) -> dict[str, Any]:
@@ -65,6 +70,30 @@ def recording_track(row: SessionRow, inputs: Inputs, plan_text: str) -> dict[str
         "level": row.level, "plan": json.loads(plan_text), "estimates": estimates,
         "events": events,
     }  # fmt: skip
+
+
+def recording_frames(row: SessionRow, inputs: Inputs, plan_text: str) -> bytes:
+    """Follow a recording again; return its particles and heatmaps.
+
+    Returns
+    -------
+    bytes
+        Binary frames as viewers get them, each after its length, a little-endian uint32. Of
+        long recordings not every input has its particles.
+    """
+    follower = _follower(row, plan_text)
+    every = -(-len(inputs) // MOST_FRAMES)
+    frames = []
+    for index, (_, _, text) in enumerate(inputs):
+        message = messages.parse_input(text)
+        outcome = follower.apply(message)
+        belief, seq = follower.localizer.belief, message.seq
+        if outcome.scan is not None:
+            frames += heatmap_frames(follower.floor.raster, outcome.scan, follower.settings, seq)
+        if belief is not None and (index % every == 0 or outcome.scan is not None):
+            t_s = outcome.estimate.t_s
+            frames.append(particles_frame(belief.particles, seq, t_s, MOST_PARTICLES))
+    return b"".join(part for frame in frames for part in (_LENGTH.pack(len(frame)), frame))
 
 
 def _follower(row: SessionRow, plan_text: str) -> Follower:

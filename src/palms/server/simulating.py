@@ -9,14 +9,21 @@ import numpy as np
 
 from palms.errors import InputError
 from palms.evaluation.simulation import (
+    Place,
+    RouteSettings,
     ScannerNoise,
+    StartSettings,
     TrueWalk,
     VioNoise,
     WorldNoise,
+    choose_start,
+    free_space,
     make_world,
+    plan_route,
     take_scan,
     vio_odometry,
 )
+from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
 from palms.odometry import Move
 from palms.raster import PlanRaster
@@ -27,10 +34,15 @@ __all__ = ["simulated"]
 STEP_M = 0.65  # ours: a human step
 STEP_S = 0.5
 LONGEST_M = 2000.0  # ours: of a drawn walk
+DEFAULT_M = 80.0  # ours: of a chosen walk; most are localized long before
+_CHOICE = 1  # purpose of random numbers
 
 
 def simulated(
-    raster: PlanRaster, path_m: tuple[tuple[float, float], ...], seed: int
+    raster: PlanRaster,
+    path_m: tuple[tuple[float, float], ...] | None,
+    seed: int,
+    length_m: float = DEFAULT_M,
 ) -> messages.Simulation:
     """Return a scan at the beginning of a path, and the odometry along it.
 
@@ -39,15 +51,18 @@ def simulated(
     Parameters
     ----------
     raster : PlanRaster
-    path_m : sequence of (float, float)
-        Corners of the path, map frame; one of them alone gives the scan alone.
+    path_m : sequence of (float, float) or None
+        Corners of the path, map frame; one of them alone gives the scan alone. None: a walk is
+        chosen as people walk, from where there is much to see, along corridors.
     seed : int
-        Of the world, the phone's noise, and the angle of its frame.
+        Of the world, the phone's noise, the angle of its frame, and the choice.
+    length_m : float
+        Of a walk that is chosen.
 
     Raises
     ------
     InputError
-        When it begins outside of the building, or is too long.
+        When it begins outside of the building, or is too long; when there is none to choose.
 
     Examples
     --------
@@ -57,7 +72,10 @@ def simulated(
     >>> found.is_cut, len(found.samples) > 10, found.truth_m[-1][1] < 9
     (True, True, True)
     """
-    path = np.array(path_m, dtype=np.float64)
+    if path_m is None:
+        path = _chosen(raster.plan, length_m, np.random.default_rng((seed, _CHOICE)))
+    else:
+        path = np.array(path_m, dtype=np.float64)
     _check(path, raster)
     truth_m = _stepped(path)
     stopped = raster.blocked(truth_m[:-1], truth_m[1:])
@@ -75,8 +93,23 @@ def simulated(
     )  # fmt: skip
 
 
+def _chosen(plan: FloorPlan, length_m: float, rng: np.random.Generator) -> FloatArray:
+    """Return a way through a building as people take it."""
+    world = make_world(plan, WorldNoise(), rng)
+    free = free_space(world, RouteSettings())
+    none = np.empty((0, 2))
+    taken = choose_start(Place(world, free), none, ScannerNoise(), StartSettings(), rng)
+    route_m = plan_route(free, taken.position_m, length_m, RouteSettings(), rng)
+    return route_m[: 1 + int(np.searchsorted(_along(route_m), length_m))]
+
+
+def _along(path: FloatArray) -> FloatArray:
+    """Length of a path (N, 2) up to each of its points."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+
+
 def _check(path: FloatArray, raster: PlanRaster) -> None:
-    length = float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+    length = float(_along(path)[-1])
     if length > LONGEST_M:
         raise InputError("path", expected=f"at most {LONGEST_M:g} m", got=f"{length:.0f} m")
     row, column = (int(v) for v in raster.grid.cell_of(path[0]))
@@ -89,7 +122,7 @@ def _check(path: FloatArray, raster: PlanRaster) -> None:
 
 def _stepped(path: FloatArray) -> FloatArray:
     """Places (N, 2) along a path, a step apart."""
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    along = _along(path)
     n = int(along[-1] / STEP_M)
     at = STEP_M * np.arange(n + 1)
     return np.column_stack([np.interp(at, along, path[:, axis]) for axis in (0, 1)])

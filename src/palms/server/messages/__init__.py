@@ -55,6 +55,7 @@ from palms.server.messages.inputs import (
 from palms.server.messages.rest import (
     Building,
     BuildingList,
+    CodeRequest,
     Health,
     Level,
     LinkRequest,
@@ -79,6 +80,7 @@ __all__ = [
     "Building",
     "BuildingList",
     "ClientMessage",
+    "CodeRequest",
     "Dismiss",
     "End",
     "Ended",

@@ -22,8 +22,8 @@ VERSION = 1
 LARGEST = 32_767  # of an int16
 CENTIMETRE_M = 0.01
 _PARTICLES = struct.Struct("<2sBxIddddf")  # kind, version, count, seq, t_s, x, y, scale
-_HEATMAP = struct.Struct("<2sBBIddddfff4x")
-# kind, version, map, of how many; seq, drift, x, y, cell, lowest, highest score
+_HEATMAP = struct.Struct("<2sBBIddddfffHH")
+# kind, version, map, of how many; seq, drift, x, y, cell, lowest, highest score, label, labels
 
 
 class ParticlesFrame(NamedTuple):
@@ -64,6 +64,10 @@ class HeatmapFrame(NamedTuple):
         The scores that black and white stand for; of a correlation they have no unit.
     png : bytes
         Grey, eight bits, top row first.
+    label : int
+        Of the particles of this drift.
+    n_labels : int
+        How many drifts there were; labels go round the circle in order.
     """
 
     seq: int
@@ -74,6 +78,8 @@ class HeatmapFrame(NamedTuple):
     cell_size_m: float
     range_nats: tuple[float, float]
     png: bytes
+    label: int = 0
+    n_labels: int = 0
 
 
 def pack_particles(frame: ParticlesFrame) -> bytes:
@@ -99,7 +105,7 @@ def pack_heatmap(frame: HeatmapFrame) -> bytes:
     """Return the bytes of a heatmap."""
     head = _HEATMAP.pack(
         b"HF", VERSION, frame.number, frame.of, frame.seq, frame.drift_rad, *frame.origin_m,
-        frame.cell_size_m, *frame.range_nats,
+        frame.cell_size_m, *frame.range_nats, frame.label, frame.n_labels,
     )  # fmt: skip
     return head + frame.png
 
@@ -131,6 +137,9 @@ def _particles(content: bytes) -> ParticlesFrame:
 
 
 def _heatmap(content: bytes) -> HeatmapFrame:
-    _, _, number, of, seq, drift, x, y, cell, low, high = _HEATMAP.unpack_from(content)
+    _, _, number, of, seq, drift, x, y, cell, *rest = _HEATMAP.unpack_from(content)
+    low, high, label, n_labels = rest
     png = content[_HEATMAP.size :]
-    return HeatmapFrame(int(seq), number, of, drift, (x, y), cell, (low, high), png)
+    return HeatmapFrame(
+        int(seq), number, of, drift, (x, y), cell, (low, high), png, label, n_labels
+    )

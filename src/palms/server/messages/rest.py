@@ -12,6 +12,7 @@ from palms.server.messages.inputs import Sample, Scan
 __all__ = [
     "Building",
     "BuildingList",
+    "CodeRequest",
     "Health",
     "Level",
     "LinkRequest",
@@ -115,13 +116,14 @@ class RecordingList(Message):
 
 
 class SimulationRequest(Message):
-    """A walk that somebody drew, to be scanned and walked by a simulated phone."""
+    """A walk that somebody drew, or wants chosen, to be walked by a simulated phone."""
 
     model_config = ConfigDict(strict=False)  # FastAPI gives lists, not tuples
 
     building: str = Field(max_length=100)
     level: str | None = Field(None, max_length=200)
-    path_m: tuple[Point, ...] = Field(min_length=1, max_length=5000)
+    path_m: tuple[Point, ...] | None = Field(None, min_length=1, max_length=5000)
+    length_m: float = Field(80.0, gt=0, le=2000, allow_inf_nan=False)
     seed: int = Field(0, ge=0, le=2**53)
 
 
@@ -132,6 +134,12 @@ class Simulation(Message):
     samples: tuple[Sample, ...]
     truth_m: tuple[tuple[float, float], ...]
     is_cut: bool
+
+
+class CodeRequest(Message):
+    """What a QR code shall say, such as the address of the phone's page."""
+
+    text: str = Field(min_length=1, max_length=500)
 
 
 class LinkRequest(Message):

@@ -10,7 +10,12 @@ from fastapi import APIRouter, Body, Header, HTTPException, Response
 from palms.server import messages
 from palms.server.context import Context, Linked, Operator, Parts
 from palms.server.push import readings_of
-from palms.server.recordings import dataset_zip, recording_document, recording_track
+from palms.server.recordings import (
+    dataset_zip,
+    recording_document,
+    recording_frames,
+    recording_track,
+)
 from palms.server.routes.buildings import found_building
 from palms.server.session import Refused, Session
 from palms.server.store import SessionRow
@@ -116,6 +121,19 @@ async def show_track(context: Parts, recording: str) -> dict[str, Any]:
     row, inputs, plan = await _recording(context, recording)
     document: dict[str, Any] = await context.sessions.replay(recording_track, row, inputs, plan)
     return document
+
+
+@router.get(
+    "/recordings/{recording}/frames",
+    dependencies=[Linked],
+    responses={**MISSING, 200: {"content": {"application/octet-stream": {}}}},
+    response_class=Response,
+)
+async def show_frames(context: Parts, recording: str) -> Response:
+    """Follow a recording again: its particles and heatmaps, each frame after its length."""
+    row, inputs, plan = await _recording(context, recording)
+    content: bytes = await context.sessions.replay(recording_frames, row, inputs, plan)
+    return Response(content, media_type="application/octet-stream")
 
 
 @router.get(

@@ -23,11 +23,13 @@ router = APIRouter(prefix="/api/v1/simulations", tags=["simulations"])
     },
 )  # fmt: skip
 async def simulate_walk(context: Parts, wanted: messages.SimulationRequest) -> messages.Simulation:
-    """Simulate what a phone would send on a drawn walk: a scan at its start, and odometry."""
+    """Simulate what a phone would send on a walk: a scan at its start, and odometry."""
     try:
         building = context.catalogue.building(wanted.building).id
         level = context.catalogue.level(building, wanted.level)
     except UnknownBuilding as error:
         raise HTTPException(404, str(error)) from None
     floor = await context.catalogue.floor(building, level)
-    return await context.sessions.replay(simulated, floor.raster, wanted.path_m, wanted.seed)
+    return await context.sessions.replay(
+        simulated, floor.raster, wanted.path_m, wanted.seed, wanted.length_m
+    )

@@ -19,6 +19,8 @@
  * @property {number} drift_rad
  * @property {[number, number]} origin_m the picture's lower left corner, map frame
  * @property {number} cell_size_m
+ * @property {number} label of the particles of this drift
+ * @property {number} n_labels how many drifts there were; their labels go round the circle in order
  * @property {Blob} png grey, top row first
  */
 
@@ -96,6 +98,8 @@ function heatmap(data) {
     drift_rad: data.getFloat64(16, true),
     origin_m: [data.getFloat64(24, true), data.getFloat64(32, true)],
     cell_size_m: data.getFloat32(40, true),
+    label: data.getUint16(52, true),
+    n_labels: data.getUint16(54, true),
     png: new Blob([data.buffer.slice(data.byteOffset + HEAD.HF)], { type: 'image/png' }),
   };
 }
