@@ -1,0 +1,64 @@
+"""Moment: what the voice needs to know of where the phone is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+__all__ = ["Moment"]
+
+ONE_PLACE = 0.05  # ours: a place of less probability is not counted
+COUNTED = 0.7  # ours: places that hold less together are not all there are
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """What is known of where the phone is, at one time.
+
+    Parameters
+    ----------
+    stage : str
+        ``searching``, ``oriented``, ``localized`` or ``lost``.
+    walked_m : float
+        So far.
+    position_m : (float, float) or None
+        The best single answer, map frame.
+    radius_95_m : float or None
+        Disc around it that holds 95 % of the belief.
+    facing_rad : float or None
+        Where the phone looks, map frame.
+    spread_rad : float or None
+        Standard deviation of the drift, which the facing has too.
+    level : str or None
+    shares : tuple of float
+        Probabilities of the most probable places, the highest first.
+
+    Examples
+    --------
+    >>> Moment("searching", shares=(0.4, 0.3, 0.2, 0.01)).n_places
+    3
+    """
+
+    stage: str
+    walked_m: float = 0.0
+    position_m: tuple[float, float] | None = None
+    radius_95_m: float | None = None
+    facing_rad: float | None = None
+    spread_rad: float | None = None
+    level: str | None = None
+    shares: tuple[float, ...] = ()
+
+    @property
+    def n_places(self) -> int | None:
+        """How many places are possible; None when they are more than are known."""
+        if sum(self.shares) < COUNTED:
+            return None
+        return sum(share >= ONE_PLACE for share in self.shares) or None
+
+    @property
+    def is_placed(self) -> bool:
+        """Whether it has a place that may be named: localized, and all of it numbers."""
+        numbers = (*(self.position_m or (math.nan,)), self.radius_95_m)
+        return self.stage == "localized" and all(
+            number is not None and math.isfinite(number) for number in numbers
+        )
