@@ -23,11 +23,12 @@ after(() => browser?.close());
  *
  * @param {import('node:test').TestContext} t
  * @param {string} path such as `/`
- * @param {object} [options] of playwright's `newContext`; `init` is a script that runs before the
+ * @param {object} [settings] of playwright's `newContext`; `init` is a script that runs before the
  *   page's own, or a list of them; `clock` lets the test hold the page's clock; `expected` is a
  *   pattern of errors that belong to the test
  */
-export async function openPage(t, path = '/', { init = [], expected, clock = false, ...options } = {}) {
+export async function openPage(t, path = '/', settings = {}) {
+  const { init = [], expected, clock = false, ...options } = settings;
   const context = await browser.newContext({ ignoreHTTPSErrors: true, ...options });
   context.setDefaultTimeout(PATIENCE_MS);
   if (clock) await context.clock.install();

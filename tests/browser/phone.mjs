@@ -103,7 +103,7 @@ export class Phone {
    * Open the phone's page.
    *
    * @param {import('node:test').TestContext} t
-   * @param {object} [options] `walls` to see, `hasPlanes`, `path` of the page; more as in `openPage`
+   * @param {object} [options] `walls` to see, `hasPlanes`, `path`; more as in `openPage`
    */
   static async open(t, { walls = [], hasPlanes = true, path = '/phone/', ...options } = {}) {
     const device = { planes: walls.map(planeOf), hasPlanes };
@@ -161,8 +161,8 @@ export class Phone {
   /** Let the clock run until something was said, by whichever voice; returns it. */
   async hears(pattern) {
     const find = ([source, flags]) => {
-      const region = document.getElementById('said').textContent;
-      return [...globalThis.phone.spoken, region].find((text) => new RegExp(source, flags).test(text));
+      const said = [...globalThis.phone.spoken, document.getElementById('said').textContent];
+      return said.find((text) => new RegExp(source, flags).test(text));
     };
     const argument = [pattern.source, pattern.flags];
     await this.until(find, argument);
