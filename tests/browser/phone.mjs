@@ -8,8 +8,10 @@ const read = (path) => readFileSync(new URL(`node_modules/${path}`, import.meta.
 const EMULATOR = `${read('iwer/build/iwer.min.js')}\n${read('@iwer/sem/build/iwer-sem.min.js')}`;
 
 /** A way through the sample building's corridors, map frame. */
-export const WAY = [[56.5, 35.9], [61.5, 36.9], [66.7, 38.5], [67.6, 42.9], [66.1, 47.9],
-  [64.2, 52.8]];
+export const WAY = [
+  [56.5, 35.9], [59.5, 36.4], [62.8, 37.4], [66, 38.4], [68, 40.3], [67.4, 43.6], [66.4, 46.6],
+  [65.4, 49.8], [64.2, 52.8],
+];
 export const PORTRAIT = { width: 390, height: 844 };
 const FRAME_MS = 50;
 const STEP_MS = 250; // of somebody who turns or walks: a frame each is enough
@@ -52,13 +54,25 @@ function install({ planes, hasPlanes }) {
       device.quaternion.set(qx, qy, qz, qw);
     },
   };
-  const send = WebSocket.prototype.send;
-  WebSocket.prototype.send = function (text) { // a session's seed is drawn; here it is given
-    return send.call(this, text.replace('"type":"hello"', '"type":"hello","seed":1'));
-  };
+  watchSockets();
   Object.defineProperty(globalThis, 'speechSynthesis', {
     value: { speak: ({ text }) => phone.spoken.push(text), cancel() {} },
   });
+}
+
+/** Runs in the page: note what goes over the socket; a session's seed, else drawn, is given. */
+function watchSockets() {
+  const { send } = WebSocket.prototype;
+  WebSocket.prototype.send = function watched(text) {
+    const message = JSON.parse(text);
+    if (message.seq) phone.sent = message.seq;
+    if (message.type !== 'hello') return send.call(this, text);
+    this.addEventListener('message', ({ data }) => {
+      const answer = JSON.parse(data);
+      if (answer.type === 'estimate') phone.last = answer;
+    });
+    return send.call(this, JSON.stringify({ ...message, seed: 1 }));
+  };
 }
 
 /** Return a wall, end points on the ground, as a plane whose y is the wall's normal. */
@@ -107,7 +121,7 @@ export class Phone {
    */
   static async open(t, { walls = [], hasPlanes = true, path = '/phone/', ...options } = {}) {
     const device = { planes: walls.map(planeOf), hasPlanes };
-    const init = [EMULATOR, `(${install})(${JSON.stringify(device)})`];
+    const init = [EMULATOR, `${watchSockets}; (${install})(${JSON.stringify(device)})`];
     const page = await openPage(t, path, {
       init, clock: true, viewport: PORTRAIT, hasTouch: true, isMobile: true, ...options,
     });
@@ -156,6 +170,12 @@ export class Phone {
       await this.pose(position_m, facing_rad ?? this.facing);
       await this.pass(500);
     }
+  }
+
+  /** Let the clock run until the server has answered all that was sent; its last estimate. */
+  async settled() {
+    await this.until(() => globalThis.phone.last?.seq === globalThis.phone.sent);
+    return this.page.evaluate(() => globalThis.phone.last);
   }
 
   /** Let the clock run until something was said, by whichever voice; returns it. */

@@ -14,15 +14,22 @@ import { element, fillChoices, showProblem } from './screens.js';
  */
 
 /**
- * Return the ticket that the page's address carries behind its #, and take it out of there.
- *
- * @param {Location} place
- * @param {History} past
+ * @typedef {object} Invitation what the page's address carries behind its #
+ * @property {string | null} ticket good once; it names the building itself
+ * @property {string | null} building to be offered first
  */
-export function takeTicket(place, past) {
-  const found = new URLSearchParams(place.hash.slice(1)).get('ticket');
+
+/**
+ * Return what an address carries, and take it out of there.
+ *
+ * @param {{ hash: string, pathname: string }} place such as `location`
+ * @param {{ replaceState: Function }} past such as `history`
+ * @returns {Invitation}
+ */
+export function takeInvitation(place, past) {
+  const found = new URLSearchParams(place.hash.slice(1));
   if (place.hash) past.replaceState(null, '', place.pathname);
-  return found;
+  return { ticket: found.get('ticket'), building: found.get('building') };
 }
 
 export class Entrance {
@@ -30,11 +37,12 @@ export class Entrance {
 
   /**
    * @param {import('./texts.js').Texts} texts
-   * @param {string | null} ticket
+   * @param {Invitation} invitation
    */
-  constructor(texts, ticket) {
+  constructor(texts, { ticket, building }) {
     this.texts = texts;
     this.ticket = ticket;
+    this.offered = building;
     element('building').addEventListener('change', () => this.#showLevels());
     element('token-form').addEventListener('submit', (/** @type {Event} */ event) => {
       event.preventDefault();
@@ -67,6 +75,9 @@ export class Entrance {
   #showBuildings() {
     const choices = this.buildings.map(({ id, name }) => ({ value: id, text: name }));
     for (const id of ['building', 'upload-building']) fillChoices(element(id), choices);
+    if (choices.some(({ value }) => value === this.offered)) {
+      element('building').value = this.offered;
+    }
     element('building-field').hidden = choices.length === 0;
     this.#showLevels();
   }

@@ -250,7 +250,7 @@ export class Live extends EventTarget {
 
   /** @param {import('./walk.js').Phase} phase */
   #showPhase(phase) {
-    document.body.classList.toggle('camera', phase === 'scan' && this.eyes.isOpen);
+    document.body.classList.toggle('in-ar', this.eyes.isOpen);
     if (phase === 'paused') this.showPause();
     show(phase);
   }

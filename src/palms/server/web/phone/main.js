@@ -1,6 +1,6 @@
 // The phone's page: scan, walk, and hear where you are.
 
-import { Entrance, takeTicket } from './choose.js';
+import { Entrance, takeInvitation } from './choose.js';
 import { loadWalk } from './kept.js';
 import { canListen } from './listen.js';
 import { Live } from './live.js';
@@ -29,7 +29,7 @@ const company = {
   ring: new Ring(element('ring')),
   sketch: new Sketch(element('map')),
 };
-const entrance = new Entrance(texts, takeTicket(location, history));
+const entrance = new Entrance(texts, takeInvitation(location, history));
 /** @type {Live | null} */
 let live = null;
 
@@ -67,7 +67,7 @@ function bindLive(next) {
 /** @param {'over' | 'choose'} screen */
 function finish(screen) {
   live = null;
-  document.body.classList.remove('camera');
+  document.body.classList.remove('in-ar');
   element('speech').hidden = true;
   element('viewers').hidden = true;
   element('place').textContent = '';
