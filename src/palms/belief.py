@@ -114,6 +114,14 @@ class Belief:
             return circular_mean(p.drift_rad, p.weight)
         return circular_mean(p.drift_rad[answering], p.weight[answering])
 
+    @cached_property
+    def drift_spread_rad(self) -> float:
+        """Circular standard deviation of all drifts, at most pi."""
+        drift, weight = self.particles.drift_rad, self.particles.weight
+        east, north = float(weight @ np.cos(drift)), float(weight @ np.sin(drift))
+        length = math.hypot(east, north) / float(weight.sum())
+        return min(math.sqrt(max(-2 * math.log(max(length, 1e-12)), 0.0)), math.pi)
+
 
 def settle(
     belief: Belief, particles: Particles, move: Move, settings: ConvergenceSettings, key: RandomKey

@@ -190,12 +190,16 @@ class LiveSession:
         All that happened.
     viewers : tuple of messages.Viewer
         Who looks on.
+    said : list of messages.Say
+        All that was said; open the session with ``receive=("estimates", "events", "speech")``.
     """
 
     def __init__(self, client: Client, hello: messages.Hello) -> None:
         self.estimate: messages.Estimate | None = None
         self.events: list[messages.Event] = []
         self.viewers: tuple[messages.Viewer, ...] = ()
+        self.said: list[messages.Say] = []
+        self._preferences: messages.Preferences | None = None
         self._client = client
         self._hello = hello
         self._unstored: deque[messages.Input] = deque()
@@ -250,6 +254,28 @@ class LiveSession:
                 place_m=None if place is None else (float(place[0]), float(place[1])),
             )
         )  # fmt: skip
+
+    def tell(self, text: str) -> messages.Estimate:
+        """Say in free words where the phone is; what was understood is in `said`."""
+        return self._ask(messages.Tell(seq=self._next_seq, text=text))
+
+    def ask(self, what: messages.Question = "where") -> messages.Say:
+        """Ask something; return the answer in words."""
+        self._say(messages.Ask(what=what))
+        while (answer := self._until(messages.Say)).kind != "answer":
+            pass
+        return answer
+
+    def prefer(self, **wanted: Any) -> None:  # noqa: ANN401
+        """Say how one wants to be spoken to.
+
+        Parameters
+        ----------
+        **wanted
+            Fields of `palms.server.messages.Preferences`.
+        """
+        self._preferences = messages.Preferences(**wanted)
+        self._say(self._preferences)
 
     def pause(self) -> messages.Estimate:
         """Say that nothing comes for a while."""
@@ -341,6 +367,8 @@ class LiveSession:
                 self.events.append(answer)
             case messages.Viewers():
                 self.viewers = answer.viewers
+            case messages.Say():
+                self.said.append(answer)
         return answer
 
     def _connected(self) -> messages.Welcome:
@@ -366,6 +394,8 @@ class LiveSession:
                 if not self._key or time.monotonic() - began > PATIENCE_S:
                     raise
                 time.sleep(RETRY_S)
+        if self._preferences is not None:
+            self._open().send(self._preferences.model_dump_json())
         for message in list(self._unstored):
             if message.seq >= welcome.next_seq:
                 self._open().send(message.model_dump_json())

@@ -152,7 +152,9 @@ class Catalogue:
 
 def _floor(text: str, level: str) -> Floor:
     plan = plan_of(text)
-    return Floor(rasterize(plan, RasterSettings()), Namer(plan), level)
+    floor = Floor(rasterize(plan, RasterSettings()), Namer(plan), level)
+    _ = floor.around  # here, and not while somebody waits for an answer
+    return floor
 
 
 def _sample() -> BuildingRow:

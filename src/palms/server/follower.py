@@ -7,9 +7,9 @@ the network and the other sessions have no part in it.
 from __future__ import annotations
 
 import logging
-import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -30,6 +30,7 @@ from palms.server.naming import Namer
 from palms.server.reckoner import Reckoner, reckoned
 from palms.server.scans import read_scan
 from palms.settings import Settings
+from palms.voice import Surroundings, Understood, understand
 
 __all__ = ["Floor", "Follower", "Outcome", "Terms"]
 
@@ -38,13 +39,18 @@ _RESTART = 31  # purpose of random numbers
 log = logging.getLogger("palms.server")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Floor:
     """A level that sessions share: its raster, and who names its rooms."""
 
     raster: PlanRaster
     name_of: Namer
     level: str
+
+    @cached_property
+    def around(self) -> Surroundings:
+        """Its rooms, for the voice; made once."""
+        return Surroundings((self.raster.plan,), (self.level,))
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,6 +89,8 @@ class Outcome:
         Why the input, or a part of it, could not be used.
     is_defect : bool
         Whether palms is to blame for that.
+    heard : Understood or None
+        What free words were understood as.
     """
 
     estimate: messages.Estimate
@@ -90,6 +98,7 @@ class Outcome:
     scan: Scan | None = None
     error: str | None = None
     is_defect: bool = False
+    heard: Understood | None = None
 
 
 class Follower:
@@ -122,6 +131,7 @@ class Follower:
         self.watch: Callable[[Move], object] | None = None
         self._n_restarts = 0
         self._was_localized = False
+        self._heard: Understood | None = None
         self._stage = Stage.SEARCHING
         self.localizer = self._new()
 
@@ -141,7 +151,7 @@ class Follower:
         message : messages.Input
             Its sequence number is the caller's business.
         """
-        self.seq = message.seq
+        self.seq, self._heard = message.seq, None
         events: list[messages.EventKind] = []
         scan, error, is_defect = None, None, False
         try:
@@ -154,7 +164,7 @@ class Follower:
         events += self._stage_events()
         t_s = self._phone_time()
         told = tuple((kind, t_s) for kind in events)
-        return Outcome(self.estimate(), told, scan, error, is_defect)
+        return Outcome(self.estimate(), told, scan, error, is_defect, self._heard)
 
     def _take(self, message: messages.Input, events: list[messages.EventKind]) -> Scan | None:
         match message:
@@ -167,7 +177,7 @@ class Follower:
             case messages.Hint():
                 self.localizer.hint(_hint(message))
             case messages.Tell():
-                self.localizer.hint(Hint(room=message.text))
+                self._listen(message.text)
             case messages.Inertial():
                 self._reckoner, samples = reckoned(self._reckoner, message)
                 for sample in samples:
@@ -195,6 +205,14 @@ class Follower:
             self.intake = replace(self.intake, position_m=(x, y))
         self.localizer.observe(scan, np.array(self.intake.position_m))
         return scan
+
+    def _listen(self, text: str) -> None:
+        """Take free words as a hint, where they are understood."""
+        around = self.floor.around
+        self._heard = understand(text, around.rooms, around.levels)
+        if self._heard.kind == "room":
+            hint = Hint(room=self._heard.room, probability=self._heard.probability)
+            self.localizer.hint(hint)
 
     def _resume(self, same_frame: bool) -> None:
         self.intake = replace(self.intake, is_paused=False)
@@ -253,7 +271,7 @@ class Follower:
         belief = self.localizer.belief
         if belief is None or belief.stage == Stage.SEARCHING:
             return None
-        return _spread(belief.particles.drift_rad, belief.particles.weight)
+        return belief.drift_spread_rad
 
     def _place(self, found: Any) -> messages.Place:  # noqa: ANN401
         return messages.Place.model_construct(
@@ -267,13 +285,6 @@ class Follower:
             return {}
         lon, lat = lonlat(origin, (x, y))
         return {"lon": lon, "lat": lat}
-
-
-def _spread(drift_rad: Any, weight: Any) -> float:  # noqa: ANN401
-    """Circular standard deviation of the drift, at most pi."""
-    east, north = (weight * np.cos(drift_rad)).sum(), (weight * np.sin(drift_rad)).sum()
-    length = math.hypot(float(east), float(north)) / float(weight.sum())
-    return min(math.sqrt(max(-2 * math.log(max(length, 1e-12)), 0.0)), math.pi)
 
 
 def _hint(message: messages.Hint) -> Hint:

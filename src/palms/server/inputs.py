@@ -165,7 +165,7 @@ class Inputs:
         outcome = await in_pool(pool, session.follower.apply, message)
         if outcome.error is not None:
             self.metrics.count("defects_total" if outcome.is_defect else "errors_total")
-        session.tell(outcome, message.seq)
+        session.tell(outcome, message)
         self.metrics.count("estimates_total")
         self._show_particles(session, session.seats)
         if outcome.scan is not None and session.wants("heatmaps"):

@@ -11,6 +11,7 @@ from palms.server import messages
 from palms.server.follower import Follower, Outcome
 from palms.server.messages.base import Message
 from palms.server.outbox import Outbox
+from palms.server.speech import Speech
 from palms.server.store import SessionRow
 
 __all__ = ["Refused", "Seat", "Session"]
@@ -99,6 +100,7 @@ class Session:
     path: list[tuple[float, float | None, float | None, str]] = field(default_factory=list)
     pushed: deque[int] = field(default_factory=lambda: deque(maxlen=REMEMBERED))
     is_over: bool = False
+    speech: Speech | None = None
 
     @property
     def seats(self) -> list[Seat]:
@@ -126,8 +128,9 @@ class Session:
             )
         return texts
 
-    def tell(self, outcome: Outcome, seq: int) -> None:
+    def tell(self, outcome: Outcome, message: messages.Input) -> None:
         """Send what an input led to; a viewer who is slow gets the latest estimate only."""
+        seq = message.seq
         for text in self.note(outcome, seq):
             for seat in self.wants("events"):
                 seat.outbox.put(text)
@@ -139,6 +142,27 @@ class Session:
                 seat.outbox.put(estimate)
             else:
                 seat.outbox.latest("estimate", estimate)
+
+        self._speak(outcome, message)
+
+    def _speak(self, outcome: Outcome, message: messages.Input) -> None:
+        """Say what an input led to in words, where the walker wants to hear it."""
+        walker = self.walker
+        if walker is None or self.follower is None:
+            return
+        if "speech" in walker.receive:
+            facing_rad = self.follower.intake.facing_rad
+            for say in self.spoken().follow(message, outcome, facing_rad):
+                walker.say(say)
+        elif self.speech is not None:
+            self.speech.meanwhile(outcome)
+
+    def spoken(self) -> Speech:
+        """Return what speaks for this session; made when it is needed first."""
+        assert self.follower is not None
+        if self.speech is None:
+            self.speech = Speech(self.follower)
+        return self.speech
 
     def note_push(self, number: int | None) -> None:
         """Remember a push by its number."""

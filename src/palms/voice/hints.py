@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from palms.voice.places import Voice, sentence
+from palms.voice.places import Voice
 from palms.voice.understanding import Named, Understood
 
 __all__ = ["noted"]
@@ -11,7 +11,7 @@ SHOWN = 40  # ours: characters of what was said that are said back
 CHOICES = 4  # ours: as many as one remembers
 
 
-def noted(voice: Voice, text: str, heard: Understood, level: str | None = None) -> str:
+def noted(voice: Voice, text: str, heard: Understood) -> str:
     """Say what free words were understood as.
 
     Parameters
@@ -20,8 +20,6 @@ def noted(voice: Voice, text: str, heard: Understood, level: str | None = None) 
     text : str
         The words.
     heard : Understood
-    level : str, optional
-        The only level that is searched, where the building has others.
 
     Examples
     --------
@@ -42,9 +40,6 @@ def noted(voice: Voice, text: str, heard: Understood, level: str | None = None) 
     place = voice.name(heard.room) if heard.room is not None else texts.say(
         "level", level=heard.level
     )  # fmt: skip
-    if level is not None and heard.level not in (None, level):
-        where = texts.say("level", level=heard.level)
-        return sentence(texts.say("hint.other_level", area=place, level=where))
     return texts.say("hint.noted", area=place)
 
 

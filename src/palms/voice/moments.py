@@ -32,6 +32,8 @@ class Moment:
     level : str or None
     shares : tuple of float
         Probabilities of the most probable places, the highest first.
+    p_within_2m : float
+        Probability that the phone is within 2 m of the answer.
 
     Examples
     --------
@@ -47,6 +49,7 @@ class Moment:
     spread_rad: float | None = None
     level: str | None = None
     shares: tuple[float, ...] = ()
+    p_within_2m: float = 1.0
 
     @property
     def n_places(self) -> int | None:

@@ -14,7 +14,7 @@ from typing import Literal, NamedTuple
 from palms.advice import View
 from palms.voice.hints import noted
 from palms.voice.moments import Moment
-from palms.voice.places import Voice, sentence
+from palms.voice.places import Placed, Voice, sentence
 from palms.voice.preferences import MIN_GAP_S, Preferences
 from palms.voice.searching import Seen, scanned, searching
 from palms.voice.understanding import Understood
@@ -29,6 +29,7 @@ Question = Literal["where", "details", "repeat", "near", "options"]
 OF_STAGE: frozenset[Kind] = frozenset(["localized", "unsure", "lost", "found"])
 URGENT: frozenset[Kind] = frozenset(["unsure", "lost"])
 PROVEN_M = 2.0  # ours: so far one walks before a place that was just found is told
+SURE, DOUBTED, SURE_M = 0.99, 0.95, 20.0  # ours: probable for so far, and "probably" is left out
 AGAIN_M, FEWER_M = 20.0, 5.0  # ours: how often progress is told; how often when it is better
 NEXT_M = 8.0  # ours: how often another neighbour is told in one and the same room
 OLD_M = 2.0  # ours: what was said before so many metres is said to be of then
@@ -87,6 +88,10 @@ class Narrator:
         Whether a place was ever told.
     since_m : float or None
         Walked when it became localized; None while it is not.
+    sure_m : float or None
+        Walked when it became very probable; None while it is not.
+    needs_scan : bool
+        Whether a place that was told has been lost or unsure since the last scan.
     seen : Seen or None
         A scan that nothing was said about.
     counted : (int or None, float) or None
@@ -107,7 +112,7 @@ class Narrator:
     'One place is likely. Walk on a little.'
     >>> narrator, saying = narrator.hear(Moment("localized", 33.0, (7.0, 3.0), 0.8), 55.0)
     >>> saying.text, saying.details
-    ('Found: Hall.', 'Accurate to 2 metres.')
+    ('Found: probably Hall.', 'Accurate to 2 metres.')
     """
 
     voice: Voice
@@ -116,6 +121,8 @@ class Narrator:
     key: tuple[str, ...] | None = None
     was_placed: bool = False
     since_m: float | None = None
+    sure_m: float | None = None
+    needs_scan: bool = False
     seen: Seen | None = None
     counted: tuple[int | None, float] | None = None
     free_s: float = -math.inf
@@ -142,14 +149,18 @@ class Narrator:
 
     def scanned(self, view: View, facing_rad: float | None) -> Narrator:
         """Take what a scan has seen; it is said with the next moment."""
-        return replace(self, seen=Seen(view, facing_rad))
+        return replace(self, seen=Seen(view, facing_rad), needs_scan=False)
+
+    def meanwhile(self, moment: Moment) -> Narrator:
+        """Take a moment while nobody listens."""
+        return self._at(moment)
 
     def caught_up(self, moment: Moment) -> Narrator:
         """Return a narrator whose listener knows all this already: after a replay."""
         now = replace(self._at(moment), since_m=moment.walked_m - PROVEN_M)
         now = replace(now, seen=None, counted=(moment.n_places, moment.walked_m))
         if moment.is_placed:
-            return replace(now, told="localized", was_placed=True, key=now.voice.placed(moment).key)
+            return replace(now, told="localized", was_placed=True, key=now._placed.key)
         return replace(now, told=moment.stage, since_m=None)
 
     def preferring(self, preferences: Preferences, now_s: float) -> tuple[Narrator, Saying | None]:
@@ -171,11 +182,9 @@ class Narrator:
             return replace(self, free_s=now_s), saying
         return self._spoken(saying, now_s), saying
 
-    def note(
-        self, text: str, heard: Understood, now_s: float, level: str | None = None
-    ) -> tuple[Narrator, Saying]:
+    def note(self, text: str, heard: Understood, now_s: float) -> tuple[Narrator, Saying]:
         """Say what free words were understood as; see `palms.voice.hints.noted`."""
-        saying = self._saying("hint", noted(self.voice, text, heard, level))
+        saying = self._saying("hint", noted(self.voice, text, heard))
         return self._spoken(saying, now_s), saying
 
     def pause(self, now_s: float) -> tuple[Narrator, Saying]:
@@ -192,12 +201,29 @@ class Narrator:
     # How it decides
 
     def _at(self, moment: Moment) -> Narrator:
-        since = self.since_m
+        since, sure = self.since_m, self.sure_m
         if not moment.is_placed:
             since = None
         elif since is None:
             since = moment.walked_m
-        return replace(self, moment=moment, since_m=since)
+        if since is None or moment.p_within_2m < (DOUBTED if self._is_sure else SURE):
+            sure = None
+        elif sure is None:
+            sure = moment.walked_m
+        left = self.told == "localized" and not moment.is_placed
+        lost = self.needs_scan or left or moment.stage == "lost"
+        return replace(self, moment=moment, since_m=since, sure_m=sure, needs_scan=lost)
+
+    @property
+    def _is_sure(self) -> bool:
+        """Whether the place may be told without a doubt: very probable for a good while."""
+        if self.sure_m is None or self.needs_scan:
+            return False
+        return self.moment.walked_m - self.sure_m >= SURE_M
+
+    @property
+    def _placed(self) -> Placed:
+        return self.voice.placed(self.moment, self._is_sure)
 
     @property
     def _is_placed(self) -> bool:
@@ -245,7 +271,7 @@ class Narrator:
         """Whether another place is to be told: another room, or after a while a neighbour."""
         if not self._is_placed:
             return False
-        key, told = self.voice.placed(self.moment).key, self.key or ()
+        key, told = self._placed.key, self.key or ()
         if key[:2] != told[:2]:
             return True
         _, walked_m = self.counted or (None, -math.inf)
@@ -254,7 +280,7 @@ class Narrator:
     def _words(self, kind: Kind) -> tuple[str, str | None]:
         texts = self.voice.texts
         if kind in ("localized", "found", "place"):
-            placed = self.voice.placed(self.moment)
+            placed = self._placed
             told = placed.text if kind == "place" else texts.say(kind, place=placed.text)
             return sentence(told), placed.details
         if kind == "unsure":
@@ -276,7 +302,7 @@ class Narrator:
             counted=(self.moment.n_places, self.moment.walked_m),
         )  # fmt: skip
         if kind in ("localized", "found", "place"):
-            return replace(now, was_placed=True, key=self.voice.placed(self.moment).key)
+            return replace(now, was_placed=True, key=self._placed.key)
         return now if kind == "scan" else replace(now, key=None)
 
     def _answer(self, what: Question, now_s: float) -> tuple[str, str | None]:
@@ -286,8 +312,8 @@ class Narrator:
             text, details = searching(self.voice, self.moment)
             return (details or text, None) if what == "details" else (text, details)
         if what == "near":
-            return self.voice.around(self.moment), None
-        placed = self.voice.placed(self.moment)
+            return self.voice.around(self.moment, self._is_sure), None
+        placed = self._placed
         if what == "details" and placed.details is not None:
             return placed.details, None
         return sentence(placed.text), placed.details

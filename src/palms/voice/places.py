@@ -65,30 +65,35 @@ class Voice:
         """The texts of its language."""
         return read_catalogue(self.preferences.language)
 
-    def placed(self, moment: Moment) -> Placed:
+    def placed(self, moment: Moment, is_sure: bool = True) -> Placed:
         """Return the place of a moment that has one (`Moment.is_placed`)."""
         assert moment.position_m is not None
         told_m = rounded_up(accuracy_m(moment), self.preferences)
         wide = told_m > WIDE_M
         text, key, near = self._part(moment, told_m) if wide else self._room(moment)
+        if not is_sure:
+            text, key = self.texts.say("place.probably", place=text), (*key, "probably")
         level = self.level_name(moment.level)
         if level is not None:
             text = self.texts.say("place.level", level=level, place=text)
         toward = [] if near is None or wide else [self._toward(moment, near)]
-        return Placed(text, " ".join([*toward, self.accuracy(moment)]), (moment.level or "", *key))
+        details = " ".join([*toward, self.accuracy(moment)])
+        return Placed(text, details, (moment.level or "", *key))
 
     def accuracy(self, moment: Moment) -> str:
         """Say how accurate a place is."""
         told = length(accuracy_m(moment), self.preferences, self.texts, up=True)
         return self.texts.say("accuracy", distance=told)
 
-    def around(self, moment: Moment) -> str:
+    def around(self, moment: Moment, is_sure: bool = True) -> str:
         """Say what is around, the nearest first."""
         assert moment.position_m is not None
         if rounded_up(accuracy_m(moment), self.preferences) > WIDE_M:
-            return f"{sentence(self.placed(moment).text)} {self.accuracy(moment)}"
+            return f"{sentence(self.placed(moment, is_sure).text)} {self.accuracy(moment)}"
         near = self.surroundings.nearest(moment.level, moment.position_m, 2 * NEAR_M, AROUND)
         told = [self._toward(moment, each) for each in near]
+        if told and not is_sure:
+            told[0] = sentence(self.texts.say("place.probably", place=told[0]))
         return " ".join([*(told or [self.texts.say("around.nothing")]), self.accuracy(moment)])
 
     def name(self, name: str) -> str:

@@ -93,6 +93,12 @@ class Surroundings:
     names : sequence of str, optional
         What to call the levels; as the plans say when left out.
 
+    Attributes
+    ----------
+    levels : tuple of str
+    rooms : tuple of Named
+        All rooms, as the plans have them.
+
     Examples
     --------
     >>> from palms.floorplan import Room
@@ -106,6 +112,11 @@ class Surroundings:
         import shapely
 
         self.levels = tuple(names or [plan.level or "" for plan in levels])
+        self.rooms = tuple(
+            Named(name, room.name)
+            for name, plan in zip(self.levels, levels, strict=True)
+            for room in plan.rooms
+        )
         self._areas = {
             name: _areas(plan, name) for name, plan in zip(self.levels, levels, strict=True)
         }
@@ -119,12 +130,9 @@ class Surroundings:
         """Return the surroundings of a plan or a building."""
         return cls(plan.levels if isinstance(plan, Building) else (plan,))
 
-    @property
-    def rooms(self) -> tuple[Named, ...]:
-        """All rooms by level and name."""
-        return tuple(
-            Named(name, area.name) for name, areas in self._areas.items() for area in areas
-        )
+    def areas(self, level: str) -> tuple[Area, ...]:
+        """Return the named rooms of a level, those of one name each by itself."""
+        return tuple(self._areas[level])
 
     def home(self, level: str | None, x_m: float, y_m: float) -> Area | None:
         """Return the area that holds a point, the smallest where several do."""

@@ -136,6 +136,8 @@ class SimulatedCase:
     labels : tuple of Label
     events : tuple of Event
     nuisances : Nuisances
+    facing_rad : (T,)
+        Where the phone truly looked, map frame.
     """
 
     name: str
@@ -144,6 +146,7 @@ class SimulatedCase:
     labels: tuple[Label, ...]
     events: tuple[Event, ...]
     nuisances: Nuisances
+    facing_rad: FloatArray
 
 
 def simulate_start(
@@ -257,7 +260,14 @@ def simulate_walk(
     return SimulatedCase(
         f"start-{start.index + 1}-walk-{index + 1}", recorded, tuple(scans), tuple(labels),
         tuple(sorted(events, key=lambda event: event.time_s)), nuisances,
+        _in_map(truth.facing_rad if truth.facing_rad is not None else truth.heading_rad, site),
     )  # fmt: skip
+
+
+def _in_map(direction_rad: FloatArray, site: Site) -> FloatArray:
+    """Return directions (T,) of the building's metres in the map frame."""
+    x, y = site.stretch.matrix @ np.stack([np.cos(direction_rad), np.sin(direction_rad)])
+    return np.asarray(np.arctan2(y, x).round(4))
 
 
 def _walked(
@@ -348,8 +358,7 @@ def _recorded(
     vio, inertial = odometries
     position: FloatArray = site.stretch.apply(truth.position_m).round(3)
     begin = site.stretch.apply(truth.start_m).round(3)
-    turned = site.stretch.matrix @ np.stack([np.cos(truth.heading_rad), np.sin(truth.heading_rad)])
-    heading = np.arctan2(turned[1], turned[0]).round(4)
+    heading = _in_map(truth.heading_rad, site)
     level = truth.level or (site.drawings[0].level or "",) * len(truth.time_s)
     known: dict[str, Any] = {"arkit": vio, "ronin": inertial}
     dropped = {"both": (), "vio": ("ronin",), "inertial": ("arkit",)}[settings.odometry]

@@ -234,8 +234,11 @@ class _Conversation:
             seat.say(messages.Link(view=view, expires_in_s=message.ttl_s))
         elif isinstance(message, messages.Dismiss):
             self._sessions.dismiss(session, message.viewer)
-        elif isinstance(message, messages.Ask | messages.Preferences):
-            seat.say(messages.Error(code="protocol", text="this server does not speak yet"))
+        elif isinstance(message, messages.Ask):
+            seat.say(session.spoken().ask(message.what))
+        elif isinstance(message, messages.Preferences):
+            for say in session.spoken().prefer(message):
+                seat.say(say)
         elif isinstance(message, messages.End):
             await asyncio.shield(self._sessions.end(session, "ended", message.keep_recording))
             return True
