@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { fileURLToPath } from 'node:url';
 import { assertAccessible, openPage } from '../helpers.mjs';
-import { PORTRAIT, Phone, simulated } from '../phone.mjs';
+import { PORTRAIT, Phone, simulated } from '../emulator.mjs';
 
 const TARGET_PX = 48;
 const MOST_TABS = 40;

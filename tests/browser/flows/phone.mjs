@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { Network } from '../gap.mjs';
 import { SERVER, assertAccessible, rest } from '../helpers.mjs';
-import { Phone, simulated } from '../phone.mjs';
+import { Phone, simulated } from '../emulator.mjs';
 
 /** How far off the page's estimates may be, once localized. */
 const NEAR_M = 2;
