@@ -98,11 +98,11 @@ def served(_tools: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[s
 
 @pytest.fixture(scope="session")
 def flow(browser: str) -> Callable[..., None]:
-    """Run a flow of ``flows/``; its report is what fails the test."""
+    """Run a flow by its path; its report is what fails the test."""
 
     def run(name: str, url: str, **environment: str) -> None:
         done = subprocess.run(
-            ["node", "--test", "--test-reporter=spec", f"flows/{name}.mjs"],
+            ["node", "--test", "--test-reporter=spec", f"{name}.mjs"],
             cwd=HERE, capture_output=True, text=True, timeout=PATIENCE_S, check=False,
             env=os.environ | {"PALMS_URL": url, "PALMS_BROWSER": browser} | environment,
         )  # fmt: skip

@@ -1,12 +1,19 @@
-"""Each flow of ``flows/`` against a server that they share."""
+"""Each flow of ``flows/`` against a server that they share; ``guarded/`` where it has a token."""
 
 import pytest
 
-from tests.browser.conftest import HERE
+from tests.browser.conftest import HERE, serving
 
 FLOWS = sorted(path.stem for path in (HERE / "flows").glob("*.mjs"))
+TOKEN = "a token of the tests, long enough"
 
 
 @pytest.mark.parametrize("name", FLOWS)
 def test_flow(flow, served, name):
-    flow(name, served)
+    flow(f"flows/{name}", served)
+
+
+def test_a_server_with_a_token(flow, browser, tmp_path):
+    (tmp_path / "token").write_text(TOKEN)
+    with serving(tmp_path / "data", "--token-file", tmp_path / "token") as (url, _):
+        flow("guarded/map-token", url, PALMS_TOKEN=TOKEN)

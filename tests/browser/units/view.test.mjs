@@ -1,7 +1,7 @@
 // Which part of the map is on the screen; the middle of rooms; binary frames.
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { unpackFrame, unpackFrames } from '../../../src/palms/server/web/shared/frames.js';
+import { splitFrames, unpackFrame } from '../../../src/palms/server/web/shared/frames.js';
 import { boundsOf, middleOf } from '../../../src/palms/server/web/shared/plan.js';
 import { fitted, panned, toMap, toScreen, zoomed } from '../../../src/palms/server/web/shared/view.js';
 
@@ -67,6 +67,6 @@ test('frames of a stream are taken apart, up to where it is cut off', () => {
     new DataView(stream.buffer).setUint32(k * (4 + one.length), one.length, true);
     stream.set(one, k * (4 + one.length) + 4);
   }
-  assert.equal(unpackFrames(stream.buffer).length, 2);
-  assert.equal(unpackFrames(stream.buffer.slice(0, -1)).length, 1);
+  assert.equal(splitFrames(stream.buffer).length, 2);
+  assert.equal(splitFrames(stream.buffer.slice(0, -1)).length, 1);
 });

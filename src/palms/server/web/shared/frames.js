@@ -43,19 +43,19 @@ export function unpackFrame(buffer) {
 }
 
 /**
- * Return the frames of a stream in which each follows its length, a little-endian uint32.
+ * Take a stream apart in which each frame follows its length, a little-endian uint32; what is cut
+ * off at the end is left out.
  *
  * @param {ArrayBuffer} buffer
- * @returns {(Particles | Heatmap)[]}
+ * @returns {ArrayBuffer[]}
  */
-export function unpackFrames(buffer) {
+export function splitFrames(buffer) {
   const data = new DataView(buffer);
   const found = [];
   for (let at = 0; at + 4 <= buffer.byteLength;) {
     const end = at + 4 + data.getUint32(at, true);
     if (end > buffer.byteLength) break;
-    const frame = unpackFrame(buffer.slice(at + 4, end));
-    if (frame) found.push(frame);
+    found.push(buffer.slice(at + 4, end));
     at = end;
   }
   return found;

@@ -18,12 +18,22 @@ import { toScreen, useMetres, usePixels } from './view.js';
  */
 
 /**
+ * A room's name, and where there is space for it.
+ *
+ * @typedef {object} Label
+ * @property {string} name
+ * @property {Point} at
+ * @property {Point[]} polygon_m
+ * @property {number} turn_rad of the text on the map; 0 unless the room is long and narrow
+ */
+
+/**
  * What is drawn of a plan, made once.
  *
  * @typedef {object} Drawing
  * @property {Path2D} floor
  * @property {Record<string, Path2D>} lines by class
- * @property {{ name: string, at: Point, width_m: number }[]} names
+ * @property {Label[]} names
  * @property {[Point, Point]} bounds_m
  */
 
@@ -35,6 +45,7 @@ const STROKES = {
   wall: { width_m: 0.14, least_px: 1.4, dash: [] },
 };
 const NAME_PX = 12;
+const NARROW = 3; // a room as many times as long as wide has its name along it
 
 /**
  * Return the corners of the box around a plan.
@@ -89,11 +100,9 @@ export function drawingOf(plan) {
   for (const ring of plan.outline_m ? [plan.outline_m] : plan.rooms.map((room) => room.polygon_m)) {
     addRing(floor, ring);
   }
-  const names = plan.rooms.filter((room) => room.name).map((room) => ({
-    name: room.name,
-    at: middleOf(room.polygon_m),
-    width_m: extentOf(room.polygon_m),
-  }));
+  const names = plan.rooms.filter(({ name }) => name).map(({ name, polygon_m }) => (
+    { name, polygon_m, at: middleOf(polygon_m), turn_rad: turnOf(polygon_m) }
+  ));
   return { floor, lines, names, bounds_m: boundsOf(plan) };
 }
 
@@ -106,10 +115,40 @@ function addRing(path, ring) {
   path.closePath();
 }
 
-/** @param {Point[]} polygon */
-function extentOf(polygon) {
-  const xs = polygon.map(([x]) => x);
-  return Math.max(...xs) - Math.min(...xs);
+/**
+ * How a name lies in a room: along it where it is long and narrow, else level.
+ *
+ * @param {Point[]} polygon
+ * @returns {number} radians, so that the text is not upside down
+ */
+export function turnOf(polygon) {
+  const edges = polygon.map(([x, y], i) => {
+    const [x1, y1] = polygon[(i + 1) % polygon.length];
+    return [x1 - x, y1 - y];
+  });
+  const [dx, dy] = edges.reduce((a, b) => (Math.hypot(...b) > Math.hypot(...a) ? b : a));
+  const length = Math.hypot(dx, dy) || 1;
+  const spans = [[dx, dy], [-dy, dx]].map(([ux, uy]) => {
+    const along = polygon.map(([x, y]) => (x * ux + y * uy) / length);
+    return Math.max(...along) - Math.min(...along);
+  });
+  if (spans[0] < NARROW * spans[1]) return 0;
+  const turn = Math.atan(dy / dx);
+  return Number.isNaN(turn) ? 0 : turn;
+}
+
+/**
+ * Whether a point lies in a polygon.
+ *
+ * @param {Point[]} polygon
+ * @param {Point} point
+ */
+export function isIn(polygon, [x, y]) {
+  return polygon.reduce((isInside, [x0, y0], i) => {
+    const [x1, y1] = polygon[(i + 1) % polygon.length];
+    const crosses = y0 > y !== y1 > y && x < x0 + ((y - y0) * (x1 - x0)) / (y1 - y0);
+    return crosses ? !isInside : isInside;
+  }, false);
 }
 
 /**
@@ -164,7 +203,7 @@ export function drawWalls(canvas, drawing, view, { density, colour }) {
 }
 
 /**
- * Write the names of those rooms that are wide enough on the screen for them.
+ * Write the names of those rooms that are large enough on the screen for them.
  *
  * @type {typeof drawFloor}
  */
@@ -174,11 +213,31 @@ export function drawNames(canvas, drawing, view, { density, colour }) {
   canvas.textAlign = 'center';
   canvas.textBaseline = 'middle';
   canvas.fillStyle = colour('room-name');
-  for (const { name, at, width_m } of drawing.names) {
-    const room_px = width_m * view.scale - 6;
-    const shown = [name, name.replace(/^Room\s+/i, '')].find(
-      (text) => canvas.measureText(text).width <= room_px,
+  for (const label of drawing.names) {
+    const shown = [label.name, label.name.replace(/^Room\s+/i, '')].find(
+      (text) => hasSpace(label, canvas.measureText(text).width, view.scale),
     );
-    if (shown) canvas.fillText(shown, ...toScreen(view, at));
+    if (!shown) continue;
+    canvas.save();
+    canvas.translate(...toScreen(view, label.at));
+    canvas.rotate(-label.turn_rad);
+    canvas.fillText(shown, 0, 0);
+    canvas.restore();
   }
+}
+
+/**
+ * Whether a text fits into its room.
+ *
+ * @param {Label} label
+ * @param {number} width_px
+ * @param {number} scale pixels per metre
+ */
+function hasSpace({ at, polygon_m, turn_rad }, width_px, scale) {
+  const [c, s] = [Math.cos(turn_rad), Math.sin(turn_rad)];
+  const [along, across] = [width_px / 2 / scale, NAME_PX / 2 / scale];
+  return [[1, 1], [1, -1], [-1, 1], [-1, -1], [0, 0]].every(([i, j]) => {
+    const [dx, dy] = [i * along, j * across];
+    return isIn(polygon_m, [at[0] + c * dx - s * dy, at[1] + s * dx + c * dy]);
+  });
 }
