@@ -7,8 +7,8 @@ import { PORTRAIT, Phone, simulated } from '../emulator.mjs';
 
 const TARGET_PX = 48;
 const MOST_TABS = 40;
-const SAMPLE = new URL('../../../src/palms/sample/data/trajectories/sample/walk-1/', import.meta.url);
-const recorded = (name) => fileURLToPath(new URL(name, SAMPLE));
+const WALK = '../../../src/palms/sample/data/trajectories/sample/walk-1/';
+const recorded = (name) => fileURLToPath(new URL(WALK + name, import.meta.url));
 
 /** Go to a control with the tab key alone; it must say where it is, and show it. */
 async function tabTo(page, role, name) {
@@ -95,8 +95,9 @@ test('a browser that finds no planes says so', async (t) => {
 test('without AR the page says what to do, and follows a recording', async (t) => {
   const page = await openPage(t, '/phone/', { viewport: PORTRAIT });
   await page.getByRole('heading', { name: 'This browser cannot scan' }).waitFor();
+  await page.getByRole('combobox', { name: 'Building' }).waitFor();
   await assertAccessible(page, 'without AR');
-  await page.getByLabel('File of the scan')
+  await page.locator('#upload-form').getByLabel('File of the scan')
     .setInputFiles(recorded('Session_1001/detectedPlanes.json'));
   await page.getByLabel('File of the walk').setInputFiles(recorded('walk-1.json'));
   await page.getByRole('button', { name: 'Find where I was' }).click();
@@ -104,21 +105,40 @@ test('without AR the page says what to do, and follows a recording', async (t) =
   await said.waitFor();
   assert.match(await said.textContent(), /accurate to about \d+ metres\.$/);
   await page.getByRole('img', { name: 'Map of the floor with the place that was found' }).waitFor();
-  await page.getByRole('button', { name: 'Show the address' }).click();
-  await page.getByText(/\/api\/v1\/push\/\w+$/).waitFor();
-  await page.getByText(/^Bearer \S{20,}$/).waitFor();
   await assertLarge(page);
   await assertAccessible(page, 'with its answer');
 });
 
+test('without AR an app pushes, and the page tells; also after a reload', async (t) => {
+  const page = await openPage(t, '/phone/', { viewport: PORTRAIT });
+  const card = page.locator('#push-form');
+  await card.getByLabel('File of the scan')
+    .setInputFiles(recorded('Session_1001/detectedPlanes.json'));
+  await card.getByRole('button', { name: 'Use this scan' }).click();
+  await assertHeading(page, 'Walk');
+  const url = await page.getByText(/\/api\/v1\/push\/\w+$/).textContent();
+  const authorization = await page.getByText(/^Bearer \S{20,}$/).textContent();
+  await assertAccessible(page, 'while an app pushes');
+  const answer = await fetch(url, {
+    method: 'POST', headers: { authorization, 'content-type': 'application/json' },
+    body: JSON.stringify({ messageId: 1, payload: [] }),
+  });
+  assert.equal(answer.status, 200, await answer.text());
+  await page.reload();
+  await page.getByText(url).waitFor();
+  await page.getByRole('button', { name: 'End' }).click();
+  await page.getByRole('heading', { name: 'The walk is over' }).waitFor();
+});
+
 test('a recording that cannot be read is a problem in one line', async (t) => {
   const page = await openPage(t, '/phone/', { viewport: PORTRAIT, expected: /422/ });
+  await page.getByRole('combobox', { name: 'Building' }).waitFor();
   for (const label of ['File of the scan', 'File of the walk']) {
-    await page.getByLabel(label)
+    await page.locator('#upload-form').getByLabel(label)
       .setInputFiles({ name: 'x.json', mimeType: 'application/json', buffer: Buffer.from('{') });
   }
   await page.getByRole('button', { name: 'Find where I was' }).click();
-  await page.locator('#upload-problem').filter({ hasText: 'x.json' }).waitFor();
+  await page.locator('#upload-problem').filter({ hasText: 'scan.json line 1' }).waitFor();
 });
 
 test('the page speaks German where that is wanted', async (t) => {

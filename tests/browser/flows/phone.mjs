@@ -49,6 +49,13 @@ test('scan, walk, and hear where one is', async (t) => {
   await phone.walk(walks.samples);
   assertNear(await phone.settled(), walks.truth_m.at(-1));
   await assertAccessible(page, 'while walking');
+  await page.getByRole('button', { name: 'Where am I?' }).click();
+  await new Promise((r)=>setTimeout(r,500));await phone.pass(1000);
+  await page.getByRole('button', { name: 'What is near?' }).click();
+  await new Promise((r)=>setTimeout(r,500));await phone.pass(1000);
+  await page.getByRole('button', { name: 'More' }).click();
+  await new Promise((r)=>setTimeout(r,500));await phone.pass(1000);
+  await page.getByText('Map, for who can see it').click(); await page.waitForTimeout(500); await page.screenshot({path:'/tmp/p3.png',fullPage:true});
   console.log(await phone.page.evaluate(()=>phone.spoken));
   await page.getByRole('button', { name: 'End' }).click();
   await phone.screen('over');

@@ -43,7 +43,12 @@ export class Entrance {
     this.texts = texts;
     this.ticket = ticket;
     this.offered = building;
-    element('building').addEventListener('change', () => this.#showLevels());
+    const [list, other] = [element('building'), element('other-building')];
+    list.addEventListener('change', () => this.#showLevels());
+    other.addEventListener('change', () => {
+      list.value = other.value;
+      this.#showLevels();
+    });
     element('token-form').addEventListener('submit', (/** @type {Event} */ event) => {
       event.preventDefault();
       token.set(element('token').value);
@@ -54,7 +59,7 @@ export class Entrance {
 
   /** Find out which buildings may be chosen. A ticket says it itself. */
   async open() {
-    showProblem('choose-problem');
+    for (const id of ['choose-problem', 'other-problem']) showProblem(id);
     if (this.ticket) return;
     try {
       this.buildings = (await askJson('GET', '/api/v1/buildings')).buildings;
@@ -69,16 +74,17 @@ export class Entrance {
 
   /** @param {string} key of the text that says why not */
   refuse(key) {
-    showProblem('choose-problem', this.texts.of(key));
+    for (const id of ['choose-problem', 'other-problem']) showProblem(id, this.texts.of(key));
+    element('token-details').hidden = !key.endsWith('Ticket');
   }
 
   #showBuildings() {
     const choices = this.buildings.map(({ id, name }) => ({ value: id, text: name }));
-    for (const id of ['building', 'upload-building']) fillChoices(element(id), choices);
-    if (choices.some(({ value }) => value === this.offered)) {
-      element('building').value = this.offered;
+    for (const id of ['building', 'other-building']) {
+      fillChoices(element(id), choices);
+      if (choices.some(({ value }) => value === this.offered)) element(id).value = this.offered;
+      element(`${id}-field`).hidden = choices.length === 0;
     }
-    element('building-field').hidden = choices.length === 0;
     this.#showLevels();
   }
 
@@ -101,6 +107,11 @@ export class Entrance {
   get terms() {
     if (this.ticket) return {};
     return { building: element('building').value, level: element('level').value || null };
+  }
+
+  /** The ticket has let somebody in; it does so once. */
+  spend() {
+    this.ticket = null;
   }
 
   /** A one-time ticket for hello, where the server wants one. */

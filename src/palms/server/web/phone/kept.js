@@ -9,6 +9,7 @@ const KEY = 'palms-walk';
  * @property {string} building its id
  * @property {string} level
  * @property {string} place what to call building and level
+ * @property {boolean} [isPushed] whether an app pushes readings
  */
 
 /** @returns {Kept | null} */

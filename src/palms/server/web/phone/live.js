@@ -41,12 +41,16 @@ export class Live extends EventTarget {
   /**
    * @param {Company} company
    * @param {object} hello what hello says besides the usual
-   * @param {{ ticket?: () => Promise<string | null>, kept?: import('./kept.js').Kept }} [options]
+   * @param {object} [options]
+   * @param {() => Promise<string | null>} [options.ticket] as in `LiveSocket`
+   * @param {import('./kept.js').Kept} [options.kept] what is gone on with
+   * @param {boolean} [options.isPushed] whether an app pushes readings, and this page only listens
    */
-  constructor(company, hello, { ticket, kept } = {}) {
+  constructor(company, hello, { ticket, kept, isPushed = false } = {}) {
     super();
     this.company = company;
     this.kept = kept ?? null;
+    this.isPushed = isPushed;
     const receive = ['estimates', 'events', 'speech'];
     this.socket = new LiveSocket({ ...hello, receive }, { ticket });
     this.walk = new Walk(this.eyes, this.socket, { isAgain: Boolean(kept) });
@@ -169,11 +173,20 @@ export class Live extends EventTarget {
   #welcomed({ session, building, level }) {
     const { key } = this.socket;
     const place = building.levels.length > 1 ? `${building.name}, ${level}` : building.name;
-    this.kept = { session, key: key ?? '', building: building.id, level, place };
+    this.kept = {
+      session, key: key ?? '', building: building.id, level, place, isPushed: this.isPushed,
+    };
     keepWalk(this.kept);
+    if (this.isPushed) this.#showAddress(this.kept);
     element('place').textContent = place;
     this.sendPreferences();
     if (!this.#hasPlan) this.#loadPlan();
+  }
+
+  /** @param {import('./kept.js').Kept} kept */
+  #showAddress({ session, key }) {
+    element('push-url').textContent = `${location.origin}/api/v1/push/${session}`;
+    element('push-header').textContent = `Bearer ${key}`;
   }
 
   async #loadPlan() {
@@ -216,6 +229,7 @@ export class Live extends EventTarget {
 
   /** @param {any} error */
   #failed({ code, fatal, text }) {
+    if (!fatal && this.isPushed && code === 'input') this.company.speaker.say({ text });
     if (!fatal) return;
     if (code === 'full') return this.cue('gap.full');
     if (code === 'unknown' && this.kept) return this.#ended('over.unknown');

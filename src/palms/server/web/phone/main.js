@@ -67,7 +67,7 @@ function bindLive(next) {
 /** @param {'over' | 'choose'} screen */
 function finish(screen) {
   live = null;
-  document.body.classList.remove('in-ar');
+  document.body.classList.remove('in-ar', 'is-pushed');
   element('speech').hidden = true;
   element('viewers').hidden = true;
   element('place').textContent = '';
@@ -76,12 +76,14 @@ function finish(screen) {
 
 async function begin(/** @type {Event} */ event) {
   event.preventDefault();
-  if (live || !entrance.isReady) return;
+  if (live) return;
+  if (!entrance.isReady) return entrance.open();
   const next = new Live(company, { ...entrance.terms, record: preferences.record }, {
     ticket: () => entrance.newTicket(),
   });
   if (!(await start(next, 'choose-problem'))) return;
   bindLive(next);
+  next.socket.addEventListener('welcome', () => entrance.spend(), { once: true });
   next.connect();
   next.walk.beginScan('scan.start');
 }
@@ -93,11 +95,25 @@ async function goOn() {
 
 /** @param {import('./kept.js').Kept} kept */
 function takeUp(kept) {
-  const { session, key } = kept;
-  bindLive(new Live(company, { session, key }, { kept }));
-  live?.connect();
-  live?.showPause();
+  const { session, key, isPushed } = kept;
+  const next = new Live(company, { session, key }, { kept, isPushed });
+  if (isPushed) return listenTo(next);
+  bindLive(next);
+  next.connect();
+  next.showPause();
   show('paused', { focus: false });
+}
+
+/** Follow an app that pushes: this page speaks, asks and tells. */
+function listenTo(/** @type {Live} */ next) {
+  sounds.unlock();
+  keepAwake();
+  bindLive(next);
+  document.body.classList.add('is-pushed');
+  element('speech').hidden = false;
+  next.connect();
+  show('walk');
+  next.cue('push.start', {}, { asked: true });
 }
 
 function bindButtons() {
@@ -149,13 +165,14 @@ bindSettings(preferences, () => {
   live?.sendPreferences();
 });
 bindButtons();
-bindOther(company);
+bindOther(company, entrance, listenTo);
 speaker.settle();
 document.addEventListener('visibilitychange', () => {
   if (live && document.visibilityState === 'visible') keepAwake();
 });
+addEventListener('hashchange', () => live || location.reload()); // another code was read
 navigator.serviceWorker?.register('worker.js').catch(() => {});
 
 const kept = loadWalk();
-if (kept && !entrance.ticket && (await hasAr())) takeUp(kept);
+if (kept && !entrance.ticket && (kept.isPushed || (await hasAr()))) takeUp(kept);
 else await openEntrance();

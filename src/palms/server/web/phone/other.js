@@ -1,43 +1,123 @@
 // Where a browser cannot scan: follow a recording, or let an app push its readings.
 
-import { askJson, ticketFor } from '../shared/rest.js';
+import { askJson } from '../shared/rest.js';
 import { LiveSocket } from '../shared/socket.js';
+import { Live } from './live.js';
 import { placeIn } from './rooms.js';
 import { element, showProblem } from './screens.js';
 import { Sketch } from './sketch.js';
 
-/** @typedef {import('./live.js').Company} Company */
+/**
+ * @typedef {import('./live.js').Company} Company
+ * @typedef {import('./choose.js').Entrance} Entrance
+ *
+ * @typedef {object} Pass what lets files be read
+ * @property {string} building
+ * @property {string | null} level
+ * @property {string} [session] that the ticket has opened
+ * @property {string} [key] its key
+ */
 
-/** @param {Company} company */
-export function bindOther(company) {
-  element('upload-form').addEventListener('submit', (/** @type {Event} */ event) => {
-    event.preventDefault();
-    followRecording(company);
-  });
-  element('push').addEventListener('click', () => openPush(company));
+const PUSHED = { source: 'inertial', frame: 'own' };
+
+/**
+ * @param {Company} company
+ * @param {Entrance} entrance
+ * @param {(live: Live) => void} begun is told of the session that an app pushes to
+ */
+export function bindOther(company, entrance, begun) {
+  const counter = new Counter(entrance);
+  bindForm('upload', (form) => followRecording(company, counter, form));
+  bindForm('push', async (form) => begun(await openPushed(company, counter, form)));
 }
 
-/** @param {Company} company */
-async function followRecording({ texts, speaker }) {
-  const form = new FormData(element('upload-form'));
+/**
+ * Let a form do something; what goes wrong is said below it.
+ *
+ * @param {string} name
+ * @param {(form: FormData) => Promise<void>} does
+ */
+function bindForm(name, does) {
+  const form = element(`${name}-form`);
+  form.addEventListener('submit', async (/** @type {Event} */ event) => {
+    event.preventDefault();
+    showProblem(`${name}-problem`);
+    try {
+      await does(new FormData(form));
+    } catch (problem) {
+      element('speech').hidden = true;
+      showProblem(`${name}-problem`, /** @type {Error} */ (problem).message);
+    }
+  });
+}
+
+/** Where one shows a ticket, or the token, and gets a pass. */
+class Counter {
+  /** @type {Promise<Pass> | null} */ #pass = null;
+
+  /** @param {Entrance} entrance */
+  constructor(entrance) {
+    this.entrance = entrance;
+  }
+
+  /** @returns {Promise<Pass>} */
+  async pass() {
+    const { ticket, terms } = this.entrance;
+    if (!ticket && !this.#pass) return /** @type {Pass} */ (terms);
+    this.#pass ??= redeemed(/** @type {string} */ (ticket));
+    this.#pass.catch(() => {
+      this.#pass = null;
+    });
+    return this.#pass;
+  }
+}
+
+/**
+ * Open a session with a ticket; its key lets files be read, and an app may push to it.
+ *
+ * @param {string} ticket
+ * @returns {Promise<Pass>}
+ */
+function redeemed(ticket) {
+  return new Promise((resolve, reject) => {
+    const socket = new LiveSocket({ ...PUSHED, receive: [] }, { ticket: async () => ticket });
+    socket.addEventListener('welcome', (event) => {
+      const { session, building, level } = /** @type {CustomEvent} */ (event).detail;
+      socket.close();
+      resolve({ building: building.id, level, session, key: socket.key ?? undefined });
+    });
+    socket.addEventListener('error', (event) => {
+      socket.close();
+      reject(new Error(/** @type {CustomEvent} */ (event).detail.text));
+    });
+    socket.connect();
+  });
+}
+
+/**
+ * @param {Company} company
+ * @param {Counter} counter
+ * @param {FormData} form
+ */
+async function followRecording({ texts, speaker }, counter, form) {
   const say = (/** @type {string} */ key, values = {}) =>
     speaker.say({ text: texts.of(key, values), asked: true });
   element('speech').hidden = false;
-  showProblem('upload-problem');
   say('other.working');
-  try {
-    const track = await askJson('POST', '/api/v1/tracks', { form });
-    const plan = await askJson('GET', `/api/v1/buildings/${form.get('building')}/plan`);
-    const found = lastPlace(track);
-    if (!found) return say('other.notFound');
-    showPlace(plan, found);
-    const place = placeIn(plan, [found.x_m, found.y_m]);
-    say(place.key, { room: place.room, radius: Math.ceil(found.radius_m) });
-  } catch (problem) {
-    element('speech').hidden = true;
-    showProblem('upload-problem', /** @type {Error} */ (problem).message);
-    element('upload-problem').focus();
-  }
+  const { building, level, key } = await counter.pass();
+  form.set('building', building);
+  if (level) form.set('level', level);
+  const track = await askJson('POST', '/api/v1/tracks', { form, bearer: key });
+  const at = `/api/v1/buildings/${building}/plan${level ? `?level=${level}` : ''}`;
+  const plan = await askJson('GET', at, { bearer: key });
+  const found = lastPlace(track);
+  if (!found) return say('other.notFound');
+  element('upload-map').hidden = false;
+  const sketch = new Sketch(element('upload-map'));
+  sketch.setPlan(plan);
+  sketch.setSpot(found, found.way);
+  const place = placeIn(plan, [found.x_m, found.y_m]);
+  say(place.key, { room: place.room, radius: Math.ceil(found.radius_m) });
 }
 
 /**
@@ -55,41 +135,20 @@ export function lastPlace(track) {
 }
 
 /**
- * @param {import('../shared/plan.js').Plan} plan
- * @param {NonNullable<ReturnType<typeof lastPlace>>} found
+ * Open a session for an app that pushes, and send it the scan of a file.
+ *
+ * @param {Company} company
+ * @param {Counter} counter
+ * @param {FormData} form
  */
-function showPlace(plan, found) {
-  element('upload-map').hidden = false;
-  const sketch = new Sketch(element('upload-map'));
-  sketch.setPlan(plan);
-  sketch.setSpot(found, found.way);
-}
-
-const INERTIAL = { source: 'inertial', frame: 'own', method: 'no-scan' };
-
-/** @type {LiveSocket | null} the session that an app pushes to; it lasts as long as this page */
-let pushed = null;
-
-/** @param {Company} company */
-function openPush({ texts, speaker }) {
-  if (pushed) return;
-  const building = element('upload-building').value;
-  pushed = new LiveSocket(
-    { building, ...INERTIAL, receive: ['events', 'speech'] },
-    { ticket: () => ticketFor({ role: 'walker', building }) },
-  );
-  element('speech').hidden = false;
-  pushed.addEventListener('welcome', (event) => {
-    const { session } = /** @type {CustomEvent} */ (event).detail;
-    element('push-url').textContent = `${location.origin}/api/v1/push/${session}`;
-    element('push-header').textContent = `Bearer ${pushed?.key}`;
-    element('push-address').hidden = false;
+async function openPushed(company, counter, form) {
+  const { building, level, session, key } = await counter.pass();
+  form.set('building', building);
+  const scan = await askJson('POST', '/api/v1/scans', { form, bearer: key });
+  const hello = session ? { session, key } : { ...PUSHED, building, level };
+  const live = new Live(company, hello, {
+    ticket: () => counter.entrance.newTicket(), isPushed: true,
   });
-  pushed.addEventListener('say', (event) => speaker.say(/** @type {CustomEvent} */ (event).detail));
-  pushed.addEventListener('error', (event) => {
-    const { text, fatal } = /** @type {CustomEvent} */ (event).detail;
-    speaker.say({ text, asked: true });
-    if (fatal) pushed = null;
-  });
-  pushed.connect();
+  live.socket.send({ ...scan, t_s: Date.now() / 1000 });
+  return live;
 }
