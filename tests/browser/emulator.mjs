@@ -14,7 +14,7 @@ export const WAY = [
 ];
 export const PORTRAIT = { width: 390, height: 844 };
 const FRAME_MS = 50;
-const STEP_MS = 250; // of somebody who turns or walks: a frame each is enough
+const STEP_MS = 500; // of somebody who turns or walks: a frame each is enough
 const EYE_M = 1.4;
 const MOST_TICKS = 2000;
 
@@ -136,11 +136,6 @@ export class Phone {
     await this.page.evaluate(([p, q]) => globalThis.phone.pose(p, q), at);
   }
 
-  /** Let the phone's clock run. */
-  async pass(ms) {
-    for (let left = ms; left > 0; left -= STEP_MS) await this.page.clock.fastForward(STEP_MS);
-  }
-
   /** Let the clock run until something is true in the page. */
   async until(what, argument) {
     for (let tick = 0; tick < MOST_TICKS; tick++) {
@@ -160,7 +155,7 @@ export class Phone {
     const from = this.facing;
     for (let i = 1; i <= steps; i++) {
       await this.pose(this.place, from + (angle * i) / steps);
-      await this.pass(500);
+      await this.page.clock.fastForward(STEP_MS);
     }
   }
 
@@ -168,7 +163,7 @@ export class Phone {
   async walk(samples) {
     for (const { position_m, facing_rad } of samples) {
       await this.pose(position_m, facing_rad ?? this.facing);
-      await this.pass(500);
+      await this.page.clock.fastForward(STEP_MS);
     }
   }
 
@@ -176,6 +171,11 @@ export class Phone {
   async settled() {
     await this.until(() => globalThis.phone.last?.seq === globalThis.phone.sent);
     return this.page.evaluate(() => globalThis.phone.last);
+  }
+
+  /** All that the page's own voice has said. */
+  spoken() {
+    return this.page.evaluate(() => globalThis.phone.spoken);
   }
 
   /** Let the clock run until something was said, by whichever voice; returns it. */

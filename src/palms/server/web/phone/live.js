@@ -20,7 +20,7 @@ import { Eyes } from './xr.js';
  */
 
 const GAP_MS = 1500; // a shorter break is not worth a word
-const ANSWERS = new Set(['answer', 'hint']);
+const ANSWERS = new Set(['answer', 'hint', 'pause', 'settings']);
 /** @type {Record<string, import('./sounds.js').Tune>} */
 const TUNES = { localized: 'localized', found: 'localized', lost: 'lost' };
 const OVER = { // what the server's codes and reasons mean to somebody who walks
@@ -203,7 +203,8 @@ export class Live extends EventTarget {
   /** @param {any} sentence */
   #said({ kind, text, details, urgent, language }) {
     const asked = ANSWERS.has(kind);
-    this.company.speaker.say({ text, details, urgent, language, asked });
+    const passing = kind === 'resume'; // the page has said so itself
+    this.company.speaker.say({ text, details, urgent, language, asked, passing });
     if (kind in TUNES) this.company.sounds.play(TUNES[kind]);
   }
 

@@ -32,7 +32,7 @@ export class Walk extends EventTarget {
   /** @type {{ time_s: number, pose: import('./poses.js').Pose } | null} */ #last = null;
   /** @type {object[]} */ #samples = [];
   #hasFrame = false; // whether the server knows this frame of reference, by a scan
-  #isAgain = false; // whether it knows an earlier one
+  #isAgain = false; // whether it knows an earlier one, which is to be left
   #isFirst = true; // whether the latest scan was the first of its frame
   /** @type {import('../shared/socket.js').Message | null} */ #scan = null;
 
@@ -63,6 +63,8 @@ export class Walk extends EventTarget {
    * @param {string} key of the text to say
    */
   beginScan(key) {
+    if (!this.#hasFrame && this.#isAgain) this.#send({ type: 'resume', same_frame: false });
+    this.#isAgain = false;
     this.#bearings = NOTHING_SEEN;
     this.#guide = newGuide(this.#sight?.time_s ?? 0);
     this.#become('scan');
@@ -76,11 +78,10 @@ export class Walk extends EventTarget {
     const planes = wallPlanes(sight.planes, groundOf(sight.pose));
     if (planes.length === 0) return this.#cue('scan.noWalls', {}, { asked: true });
     this.#isFirst = !this.#hasFrame;
-    if (this.#isFirst && this.#isAgain) this.#send({ type: 'resume', same_frame: false });
     this.#scan = this.#send({
       type: 'scan', t_s: sight.time_s, form: 'webxr', planes, pose: poseMessage(sight.pose),
     });
-    [this.#hasFrame, this.#isAgain, this.#last] = [true, true, sight];
+    [this.#hasFrame, this.#last] = [true, sight];
     this.#become('walk');
     const percent = Math.round(100 * share(this.#bearings));
     this.#cue(percent < 97 ? 'scan.partial' : 'scan.done', { percent }, { asked: true });
@@ -115,7 +116,8 @@ export class Walk extends EventTarget {
   #cameraOff() {
     this.pause('camera');
     this.reason = 'camera';
-    [this.#hasFrame, this.#sight] = [false, null];
+    this.#leaveFrame();
+    this.#sight = null;
     this.#become('paused');
   }
 
@@ -123,8 +125,13 @@ export class Walk extends EventTarget {
   #reset() {
     if (this.phase === 'scan' && !this.#hasFrame) return this.beginScan('scan.reset');
     this.#sendSamples();
-    this.#hasFrame = false;
+    this.#leaveFrame();
     if (this.phase !== 'paused') this.beginScan('scan.reset');
+  }
+
+  #leaveFrame() {
+    this.#isAgain ||= this.#hasFrame;
+    this.#hasFrame = false;
   }
 
   /** @param {Sight} sight */
@@ -177,7 +184,7 @@ export class Walk extends EventTarget {
    */
   #refused({ code, seq }) {
     if (code !== 'input' || !this.#scan || seq !== this.#scan.seq) return;
-    if (this.#isFirst) [this.#hasFrame, this.#isAgain] = [false, false];
+    if (this.#isFirst) this.#hasFrame = false;
     this.beginScan('scan.refused');
   }
 
