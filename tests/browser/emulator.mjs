@@ -24,7 +24,7 @@ export function simulated({ path_m = WAY, seed = 2 } = {}) {
 }
 
 /** Runs in the page, before its own scripts: the device, and a voice that writes down. */
-function install({ planes, hasPlanes }) {
+function install({ planes, hasPlanes, isShown }) {
   const features = ['viewer', 'local', 'dom-overlay', ...(hasPlanes ? ['plane-detection'] : [])];
   const container = document.createElement('div');
   const device = new IWER.XRDevice({
@@ -43,9 +43,13 @@ function install({ planes, hasPlanes }) {
       scene = this;
     }
 
-    render() {} // nobody looks
+    render() {
+      if (isShown) super.render(); // else nobody looks
+    }
   });
   scene.loadEnvironment({ type: 'scene', version: 1, spatialEntities: planes });
+  scene.planesVisible = isShown;
+  scene.planes.children.forEach(({ material }) => material.color.set(0x8fa3b5));
   globalThis.phone = {
     device,
     spoken: [],
@@ -117,13 +121,15 @@ export class Phone {
    * Open the phone's page.
    *
    * @param {import('node:test').TestContext} t
-   * @param {object} [options] `walls` to see, `hasPlanes`, `path`; more as in `openPage`
+   * @param {object} [options] `walls` to see, `hasPlanes`, `isShown`: whether
+   *   the camera has a picture; `path`; more as in `openPage`
    */
-  static async open(t, { walls = [], hasPlanes = true, path = '/phone/', ...options } = {}) {
-    const device = { planes: walls.map(planeOf), hasPlanes };
+  static async open(t, { walls = [], path = '/phone/', ...options } = {}) {
+    const { hasPlanes = true, isShown = false, ...others } = options;
+    const device = { planes: walls.map(planeOf), hasPlanes, isShown };
     const init = [EMULATOR, `${watchSockets}; (${install})(${JSON.stringify(device)})`];
     const page = await openPage(t, path, {
-      init, clock: true, viewport: PORTRAIT, hasTouch: true, isMobile: true, ...options,
+      init, clock: true, viewport: PORTRAIT, hasTouch: true, isMobile: true, ...others,
     });
     return new Phone(page);
   }
@@ -148,6 +154,15 @@ export class Phone {
   /** Let the clock run until a screen is there. */
   async screen(name) {
     await this.until((wanted) => document.body.dataset.screen === wanted, name);
+  }
+
+  /** End the walk: the first press asks back. */
+  async end() {
+    const end = this.page.getByRole('button', { name: 'End' });
+    await end.click();
+    await this.screen('paused');
+    await end.click();
+    await this.screen('over');
   }
 
   /** Turn by an angle, slowly. */

@@ -37,6 +37,8 @@ async function assertLarge(page) {
     .filter(({ box }) => Math.min(box.width, box.height) < least)
     .map(({ element }) => element.outerHTML), TARGET_PX);
   assert.deepEqual(small, []);
+  const [wide, has] = await page.evaluate(() => [document.body.scrollWidth, innerWidth]);
+  assert.ok(wide <= has, `${wide} of ${has} pixels`);
 }
 
 async function assertHeading(page, name) {
@@ -47,7 +49,8 @@ async function assertHeading(page, name) {
 
 test('by keyboard and accessibility tree alone', async (t) => {
   const { scan, samples } = await simulated();
-  const phone = await Phone.open(t, { walls: scan.planes });
+  const narrow = { width: 320, height: 640 };
+  const phone = await Phone.open(t, { walls: scan.planes, viewport: narrow });
   const { page } = phone;
   await phone.screen('choose');
   await assertLarge(page);

@@ -58,8 +58,7 @@ test('scan, walk, and hear where one is', async (t) => {
   const said = await phone.spoken();
   await page.getByRole('button', { name: 'Repeat' }).click();
   assert.deepEqual(await phone.spoken(), [...said, said.at(-1)]);
-  await page.getByRole('button', { name: 'End' }).click();
-  await phone.screen('over');
+  await phone.end();
   await assertAccessible(page, 'at the end');
   assert.deepEqual((await rest('GET', '/api/v1/sessions')).sessions, []);
 });
@@ -104,6 +103,5 @@ test('a reload in a gap takes the walk up again, with a new turn', async (t) => 
   await phone.screen('walk');
   await phone.walk(walks.samples);
   assertNear(await phone.settled(), walks.truth_m.at(-1));
-  await page.getByRole('button', { name: 'End' }).click();
-  await phone.screen('over');
+  await phone.end();
 });

@@ -29,8 +29,7 @@ test('a ticket lets a phone in, once; it does not stay in the address', async (t
   await phone.turn(2 * Math.PI);
   await phone.screen('walk');
   await page.getByRole('banner').getByText('Sample building').waitFor();
-  await page.getByRole('button', { name: 'End' }).click();
-  await phone.screen('over');
+  await phone.end();
   await page.getByRole('button', { name: 'Start again' }).click();
   const problem = page.locator('#choose-problem');
   await problem.filter({ hasText: 'This server lets nobody in without a ticket.' }).waitFor();

@@ -148,6 +148,12 @@ export class Live extends EventTarget {
     this.socket.say({ type: 'dismiss' });
   }
 
+  /** Pause, and ask whether it shall end; a finger may have slipped. */
+  leaveOrStay() {
+    if (this.isPushed) this.end();
+    else this.walk.pause('leaving');
+  }
+
   /** End the walk; the server deletes it. */
   end() {
     if (this.socket.state === 'open') this.socket.say({ type: 'end' });

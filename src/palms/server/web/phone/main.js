@@ -120,7 +120,7 @@ function bindButtons() {
   const actions = {
     enough: () => live?.walk.finishScan(),
     'scan-repeat': () => speaker.repeat(),
-    'scan-leave': () => live?.end(),
+    'scan-leave': () => live?.leaveOrStay(),
     where: () => live?.ask('where'),
     more: () => live?.ask('details'),
     near: () => live?.ask('near'),
@@ -130,7 +130,7 @@ function bindButtons() {
     pause: () => live?.walk.pause('byUser'),
     resume: goOn,
     'paused-end': () => live?.end(),
-    end: () => live?.end(),
+    end: () => live?.leaveOrStay(),
     dismiss: () => live?.dismissViewers(),
     listen: () => live?.listen(),
     again: openEntrance,

@@ -11,7 +11,7 @@ import { groundOf, isDue, lookOf, poseMessage } from './poses.js';
  * @typedef {import('./xr.js').Sight} Sight
  * @typedef {import('../shared/socket.js').LiveSocket} LiveSocket
  * @typedef {'scan' | 'walk' | 'paused'} Phase
- * @typedef {'byUser' | 'hidden' | 'camera' | 'reload'} PauseReason
+ * @typedef {'byUser' | 'leaving' | 'hidden' | 'camera' | 'reload'} PauseReason
  */
 
 const SAMPLES_IN_ONE = 100; // after a gap; the server takes 500
