@@ -16,6 +16,7 @@ import pytest
 
 HERE = Path(__file__).parent
 PATIENCE_S = 300  # of one flow on a busy machine
+WITHOUT_PACKAGES = "packages are missing: npm ci --prefix tests/browser"
 IS_REQUIRED = os.environ.get("PALMS_BROWSER_TESTS") == "required"
 
 
@@ -26,7 +27,7 @@ def missing() -> str | None:
     if chromium() is None:
         return "chromium is missing: apt-get install chromium"
     if not (HERE / "node_modules" / "playwright-core").exists():
-        return "packages are missing: npm ci --prefix tests/browser"
+        return WITHOUT_PACKAGES
     return None
 
 

@@ -5,7 +5,7 @@ import subprocess
 import pytest
 
 from palms.server.application import WEB
-from tests.browser.conftest import HERE, IS_REQUIRED, without_node
+from tests.browser.conftest import HERE, IS_REQUIRED, WITHOUT_PACKAGES, without_node
 
 SCRIPTS = sorted(WEB.rglob("*.js"))
 
@@ -25,6 +25,13 @@ def node(*arguments):
 
 def test_pure_functions():
     node("--test", "--test-reporter=spec", *sorted(map(str, HERE.glob("units/*.test.mjs"))))
+
+
+def test_types_hold():
+    compiler = HERE / "node_modules" / "typescript" / "bin" / "tsc"
+    if not compiler.exists():
+        (pytest.fail if IS_REQUIRED else pytest.skip)(WITHOUT_PACKAGES)
+    node(str(compiler), "--project", ".")
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: str(path.relative_to(WEB)))

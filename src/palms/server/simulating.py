@@ -35,6 +35,7 @@ STEP_M = 0.65  # ours: a human step
 STEP_S = 0.5
 LONGEST_M = 2000.0  # ours: of a drawn walk
 DEFAULT_M = 80.0  # ours: of a chosen walk; most are localized long before
+CHOICE_CELL_M = 0.25  # ours: coarser than where walks are measured, and soon done
 _CHOICE = 1  # purpose of random numbers
 
 
@@ -96,10 +97,11 @@ def simulated(
 def _chosen(plan: FloorPlan, length_m: float, rng: np.random.Generator) -> FloatArray:
     """Return a way through a building as people take it."""
     world = make_world(plan, WorldNoise(), rng)
-    free = free_space(world, RouteSettings())
+    settings = RouteSettings(cell_size_m=CHOICE_CELL_M)
+    free = free_space(world, settings)
     none = np.empty((0, 2))
     taken = choose_start(Place(world, free), none, ScannerNoise(), StartSettings(), rng)
-    route_m = plan_route(free, taken.position_m, length_m, RouteSettings(), rng)
+    route_m = plan_route(free, taken.position_m, length_m, settings, rng)
     return route_m[: 1 + int(np.searchsorted(_along(route_m), length_m))]
 
 

@@ -5,7 +5,7 @@ import { assertAccessible, openPage } from '../helpers.mjs';
 import { livePhone } from '../phone.mjs';
 
 test('a live session is watched from the list and by a link', async (t) => {
-  const elsewhere = await openPage(t, '/health');
+  const elsewhere = await openPage(t);
   const phone = await livePhone(elsewhere, { seed: 5 });
   const operator = await openPage(t);
   await operator.waitForSelector('[data-ready]');

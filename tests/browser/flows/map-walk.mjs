@@ -44,6 +44,7 @@ test('a walk that is drawn with the mouse localizes, is shared and replayed', as
   await assertAccessible(page, 'localized');
 
   await page.getByRole('button', { name: 'Keep and share' }).click();
+  await page.getByRole('dialog', { name: 'Share this replay' }).waitFor();
   const link = await page.getByLabel('Link').inputValue();
   await assertAccessible(page, 'the link');
   const guest = await openPage(t, new URL(link).pathname + new URL(link).hash);
@@ -67,18 +68,18 @@ test('a walk is drawn by keys alone, and a wall stops it', async (t) => {
   await page.locator('#map').focus();
   await page.keyboard.press('ArrowRight');
   await page.keyboard.press('Space');
-  await page.getByText('The start is set.').waitFor();
+  await page.getByText('The start is set. Draw on.').waitFor();
   for (let i = 0; i < 20; i++) await page.keyboard.press('Shift+ArrowRight');
   assert.equal(await page.getByRole('status').textContent(), 'A wall is in the way.');
   await page.keyboard.press('ArrowLeft');
-  assert.match(await page.locator('#pen').textContent(), /m are drawn/);
+  assert.match(await page.locator('#pen-text').textContent(), /m are drawn/);
   await page.keyboard.press('Backspace');
   await page.keyboard.press('Shift+ArrowLeft');
   await page.keyboard.press('Enter');
   await page.getByText(/A simulated phone walks|is over/).waitFor();
   await page.getByText(/^The walk of \d+ m is over/).waitFor();
-  await page.getByRole('button', { name: 'Draw another' }).click();
-  await page.getByText('No walk is drawn.').waitFor();
+  await page.getByRole('button', { name: 'New walk' }).click();
+  await page.getByText(/^Draw a walk: press/).waitFor();
 });
 
 test('on a narrow phone in the dark a walk is chosen; nothing sticks out', async (t) => {
@@ -88,7 +89,7 @@ test('on a narrow phone in the dark a walk is chosen; nothing sticks out', async
   });
   await page.waitForSelector('[data-ready]');
   await assertAccessible(page, 'a narrow phone in the dark');
-  await page.locator('#hint-choose').tap();
+  await page.getByRole('button', { name: 'Walk for me' }).tap();
   await page.getByLabel('Moment of the walk').waitFor();
   await page.getByText(/A simulated phone walks: [1-9]/).waitFor();
   await assertAccessible(page, 'a walk on a narrow phone');

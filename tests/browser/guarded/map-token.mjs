@@ -16,7 +16,7 @@ test('the token opens the page; a wrong one is refused', async (t) => {
   await dialog.getByLabel('Token').fill(process.env.PALMS_TOKEN);
   await dialog.getByRole('button', { name: 'Go on' }).click();
   await page.waitForSelector('[data-ready]');
-  await page.locator('#hint-choose').click();
+  await page.getByRole('button', { name: 'Walk for me' }).click();
   await page.locator('[data-stage=searching]').waitFor();
   await page.getByRole('button', { name: 'Use a phone' }).click();
   await page.getByText(/#building=sample&ticket=/).waitFor();

@@ -1,6 +1,7 @@
 // Dialogs: a token, a plan to upload, a phone's address, a link to a replay.
 
 import { Refusal, ask, askJson, ticketFor, token } from '../shared/rest.js';
+import { phoneAdvice } from './advice.js';
 
 const SHARE_S = 7 * 86_400;
 
@@ -101,15 +102,6 @@ function upload(filled, building) {
   return askJson('POST', `/api/v1/buildings/${encodeURIComponent(building)}/levels`, { form });
 }
 
-/**
- * Whether only this machine can open an address.
- *
- * @param {string} hostname
- */
-export function isOwnMachine(hostname) {
-  return hostname === 'localhost' || hostname === '[::1]' || hostname.startsWith('127.');
-}
-
 /** Show the address of the phone's page as a QR code. @param {string} building */
 export async function showPhone(building) {
   const ticket = await ticketFor({ role: 'walker', building });
@@ -121,20 +113,6 @@ export async function showPhone(building) {
   Object.assign($('phone-address'), { href: address, textContent: address });
   $('phone-means').textContent = phoneAdvice(location, ticket !== null);
   $('phone-dialog').showModal();
-}
-
-/**
- * @param {{ hostname: string, protocol: string }} place
- * @param {boolean} hasTicket
- */
-export function phoneAdvice({ hostname, protocol }, hasTicket) {
-  if (isOwnMachine(hostname)) {
-    return 'This address works on this machine alone. For phones start the server with '
-      + 'palms serve --host 0.0.0.0 --tls and open this page under the machine’s own address.';
-  }
-  if (protocol !== 'https:') return 'Phones scan over TLS only: start the server with --tls.';
-  const once = hasTicket ? ' The code opens one session and is good for a few minutes.' : '';
-  return `Scan the code with a phone in the same network.${once}`;
 }
 
 /** Make a link to a recording, and show it. @param {string} recording */

@@ -9,7 +9,9 @@ import { SHAPES, grouped } from './groups.js';
 /** @typedef {CanvasRenderingContext2D} Canvas */
 /** @typedef {{ density: number, colour: (name: string) => string }} Style */
 
+const CROSS_PX = 8; // so that its arms stand out behind an answer
 const PARTICLE_PX = 2.1;
+const LONGEST_MOVE_M = 3; // of an answer; it jumped if it is farther
 const TAU = 2 * Math.PI;
 /** How strokes of the path tell the stage; as in the figures. */
 const STAGE_DASHES = { searching: [1, 5], oriented: [7, 5], localized: [], lost: [9, 4, 2, 4] };
@@ -83,6 +85,14 @@ export function mark(canvas, shape, x, y, r) {
 }
 
 /**
+ * @param {Step | undefined} step
+ * @returns {Point | null}
+ */
+function placeOf(step) {
+  return step == null || step.x_m === null || step.y_m === null ? null : [step.x_m, step.y_m];
+}
+
+/**
  * Draw the way of the answers so far: each stage in its own stroke, gaps where it jumped.
  *
  * @param {Canvas} canvas
@@ -99,11 +109,11 @@ export function drawPath(canvas, view, steps, { density, colour }) {
   for (const stage of /** @type {Step['stage'][]} */ (Object.keys(STAGE_DASHES))) {
     canvas.beginPath();
     steps.forEach((step, i) => {
-      const before = steps[i - 1];
-      if (!before || step.stage !== stage || step.x_m === null || before.x_m === null) return;
-      if (Math.hypot(step.x_m - before.x_m, step.y_m - before.y_m) > 3) return;
-      canvas.moveTo(...toScreen(view, [before.x_m, before.y_m]));
-      canvas.lineTo(...toScreen(view, [step.x_m, step.y_m]));
+      const [from, to] = [placeOf(steps[i - 1]), placeOf(step)];
+      if (!from || !to || step.stage !== stage) return;
+      if (Math.hypot(to[0] - from[0], to[1] - from[1]) > LONGEST_MOVE_M) return;
+      canvas.moveTo(...toScreen(view, from));
+      canvas.lineTo(...toScreen(view, to));
     });
     canvas.globalAlpha = stage === 'localized' ? 0.9 : 0.45;
     canvas.setLineDash(STAGE_DASHES[stage]);
@@ -179,7 +189,7 @@ export function drawAnswer(canvas, view, step, { density, colour }) {
     drawArrow(canvas, x, y, step.heading_rad, colour);
   }
   canvas.beginPath();
-  canvas.arc(x, y, 7, 0, TAU);
+  canvas.arc(x, y, 6.5, 0, TAU);
   canvas.fillStyle = step.stage === 'localized' ? colour('answer') : colour('halo');
   canvas.fill();
   canvas.lineWidth = 2.5;
@@ -222,10 +232,10 @@ export function drawCross(canvas, view, place_m, { density, stroke, halo }) {
   const [x, y] = toScreen(view, place_m);
   for (const [width, ink] of /** @type {[number, string][]} */ ([[6, halo], [2.8, stroke]])) {
     canvas.beginPath();
-    canvas.moveTo(x - 6, y - 6);
-    canvas.lineTo(x + 6, y + 6);
-    canvas.moveTo(x - 6, y + 6);
-    canvas.lineTo(x + 6, y - 6);
+    canvas.moveTo(x - CROSS_PX, y - CROSS_PX);
+    canvas.lineTo(x + CROSS_PX, y + CROSS_PX);
+    canvas.moveTo(x - CROSS_PX, y + CROSS_PX);
+    canvas.lineTo(x + CROSS_PX, y - CROSS_PX);
     canvas.lineWidth = width;
     canvas.strokeStyle = ink;
     canvas.stroke();

@@ -61,7 +61,6 @@ function refresh() {
   showKnowledge(story, step);
   showGroups(story, step, colour);
   showHeatmapChoice();
-  $('timeline').hidden = !step;
   if (story && step) timeline.show(story, player.index, colour);
 }
 
@@ -90,7 +89,6 @@ function follow(next) {
   source?.close();
   source = next;
   sketch.clear();
-  $('finished').hidden = true;
   player.attach(next?.story ?? null, next !== null);
   setMode(next ? 'move' : 'draw');
   if (next) listen(next);
@@ -113,7 +111,6 @@ function listen(from) {
   on('finished', () => {
     player.finished();
     showSketch();
-    $('finished').hidden = !(from instanceof Walked && from.canRecord);
     note(from instanceof Walked ? '' : 'The walk has ended.');
   });
 }
@@ -197,19 +194,29 @@ function aboutWalk() {
       ? `The walk of ${walked_m} m is over. Look at any moment of it below the map.`
       : `A simulated phone walks: ${walked_m} of ${source.length_m.toFixed(0)} m.`;
   }
+  return player.story
+    ? 'A walk is shown.'
+    : 'PALMS gets what a phone would send: one simulated scan, and how the phone moved. '
+      + 'It has to find where that was.';
+}
+
+/** What the bar below the map says while a walk is drawn. */
+function aboutSketch() {
   if (sketch.path.length > 1) return `${sketch.length_m.toFixed(0)} m are drawn.`;
-  return sketch.path.length ? 'The start is set.' : 'No walk is drawn.';
+  if (sketch.path.length) return 'The start is set. Draw on.';
+  return 'Draw a walk: press in a corridor and drag. Doors let you through.';
 }
 
 function showSketch() {
   const { path } = sketch;
-  $('pen').textContent = aboutWalk();
-  for (const id of ['walk', 'undo', 'clear']) $(id).hidden = player.story !== null;
+  $('try-text').textContent = aboutWalk();
+  $('pen-text').textContent = aboutSketch();
+  $('pen').hidden = player.story !== null;
+  $('timeline').hidden = player.story === null;
   $('another').hidden = player.story === null;
+  $('keep').hidden = !(source instanceof Walked && source.isOver && source.canRecord);
   $('walk').disabled = path.length < 2;
   $('undo').disabled = $('clear').disabled = path.length === 0;
-  const isBegun = path.length > 0 || sketch.cursor !== null || player.story !== null;
-  $('hint').hidden = isBegun || panel !== 'try';
   board.refresh();
 }
 sketch.addEventListener('change', showSketch);
@@ -223,7 +230,7 @@ sketch.addEventListener('blocked', () => say('A wall is in the way.'));
 async function walk(path_m) {
   const [where, level] = [building(), $('level').value];
   note(path_m ? '' : 'Choosing a walk…');
-  $('walk').disabled = $('choose').disabled = $('hint-choose').disabled = true;
+  $('walk').disabled = $('choose').disabled = true;
   try {
     const seed = Math.floor(Math.random() * 2 ** 31);
     const wanted = { building: where.id, level, seed, ...(path_m && { path_m }) };
@@ -231,10 +238,9 @@ async function walk(path_m) {
     const speed = Number($('speed').value);
     const options = { level, speed, seed };
     follow(new Walked(where, /** @type {Plan} */ (plan), simulation, options));
-    $('hint').hidden = true;
     note(simulation.is_cut ? 'The walk ends where it met a wall.' : '');
   } finally {
-    $('walk').disabled = $('choose').disabled = $('hint-choose').disabled = false;
+    $('choose').disabled = false;
     $('walk').disabled = sketch.path.length < 2;
   }
 }
@@ -270,7 +276,6 @@ board.addEventListener('step', (event) => {
 // Lists and links
 
 async function refreshLists() {
-  showSketch();
   const nameOf = (/** @type {string} */ id) => buildings.find((each) => each.id === id)?.name ?? id;
   if (panel === 'live') await showSessions(nameOf, (session) => follow(new Watched({ session })));
   if (panel === 'replay') {
@@ -287,9 +292,8 @@ async function replay(recording, key) {
   note('Loading the replay…');
   const story = await loadReplay(recording, key);
   follow(null);
-  setMode('move');
-  $('hint').hidden = true;
   player.attach(story, false);
+  setMode('move');
   showWhole(story.planAt(undefined));
   note('');
   player.toggle();
@@ -299,7 +303,7 @@ async function replay(recording, key) {
 async function keepWalk() {
   if (!(source instanceof Walked)) return;
   const recording = await source.end(true);
-  $('finished').hidden = true;
+  $('keep').hidden = true;
   if (!recording) return note('This server keeps no recordings.');
   rememberTruth(recording, source.story.truth_m);
   await shareRecording(recording);
@@ -323,7 +327,6 @@ async function attempt(/** @type {() => unknown} */ work) {
 const CLICKS = {
   walk: () => walk(sketch.path),
   choose: () => walk(),
-  'hint-choose': () => walk(),
   undo: () => sketch.undo(),
   clear: () => sketch.clear(),
   keep: keepWalk,

@@ -104,14 +104,12 @@ function paintStory(canvas, view, story, index, { style, isOn }) {
     drawLine(canvas, view, walked, { density, stroke, width: 4, alpha: 0.55 });
   }
   if (step && isOn('path')) drawPath(canvas, view, story.steps.slice(0, index + 1), style);
-  if (step && isOn('discs')) {
-    drawDiscs(canvas, view, step, style);
-    drawAnswer(canvas, view, step, style);
-  }
   const truth = story.truthAt(step?.seq ?? 1);
+  if (step && isOn('discs')) drawDiscs(canvas, view, step, style);
   if (truth && isOn('truth')) {
     drawCross(canvas, view, truth, { density, stroke: colour('truth'), halo: colour('halo') });
   }
+  if (step && isOn('discs')) drawAnswer(canvas, view, step, style);
 }
 
 /**

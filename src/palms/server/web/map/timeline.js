@@ -143,8 +143,8 @@ function drawCurve(canvas, steps, x, height, colour) {
   canvas.fillStyle = colour('muted');
   canvas.font = `11px ${colour('font')}`;
   canvas.textAlign = 'left';
-  canvas.textBaseline = 'top';
-  canvas.fillText('probability within 1 m', x(0) + 2, 4);
+  canvas.textBaseline = 'bottom';
+  canvas.fillText('probability within 1 m', x(0) + 4, y(0) - 2);
 }
 
 /**

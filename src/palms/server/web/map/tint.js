@@ -27,8 +27,7 @@ export async function tinted(map, colour) {
   const pixels = canvas.getImageData(0, 0, width, height);
   const [red, green, blue] = bytesOf(colour, canvas);
   for (let i = 0; i < pixels.data.length; i += 4) {
-    const grey = pixels.data[i] / 255;
-    pixels.data.set([red, green, blue, 255 * MOST_OPAQUE * grey * grey], i);
+    pixels.data.set([red, green, blue, MOST_OPAQUE * pixels.data[i]], i);
   }
   canvas.putImageData(pixels, 0, 0);
   return { image, width, height, origin_m: map.origin_m, cell_size_m: map.cell_size_m };

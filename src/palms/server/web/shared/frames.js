@@ -39,7 +39,7 @@ export function unpackFrame(buffer) {
   const kind = String.fromCharCode(data.getUint8(0), data.getUint8(1));
   if (!(kind in HEAD) || data.getUint8(2) !== VERSION) return null;
   if (buffer.byteLength < HEAD[/** @type {keyof typeof HEAD} */ (kind)]) return null;
-  return kind === 'PF' ? particles(data) : heatmap(data);
+  return kind === 'PF' ? particles(data) : heatmap(data, buffer);
 }
 
 /**
@@ -87,9 +87,10 @@ function particles(data) {
 
 /**
  * @param {DataView} data
+ * @param {ArrayBuffer} buffer the same
  * @returns {Heatmap}
  */
-function heatmap(data) {
+function heatmap(data, buffer) {
   return {
     kind: 'heatmap',
     number: data.getUint8(3),
@@ -100,6 +101,6 @@ function heatmap(data) {
     cell_size_m: data.getFloat32(40, true),
     label: data.getUint16(52, true),
     n_labels: data.getUint16(54, true),
-    png: new Blob([data.buffer.slice(data.byteOffset + HEAD.HF)], { type: 'image/png' }),
+    png: new Blob([new Uint8Array(buffer, HEAD.HF)], { type: 'image/png' }),
   };
 }

@@ -56,7 +56,7 @@ export class LiveSocket extends EventTarget {
    */
   constructor(hello, { ticket = async () => null, open = openHere } = {}) {
     super();
-    this.#hello = { ...hello, type: 'hello' };
+    this.#hello = /** @type {Message} */ ({ ...hello, type: 'hello' });
     this.#ticket = ticket;
     this.#open = open;
   }
@@ -89,7 +89,8 @@ export class LiveSocket extends EventTarget {
     try {
       ticket = this.key ? null : await this.#ticket();
     } catch (problem) {
-      this.#fail({ type: 'error', code: 'forbidden', text: String(problem.message), fatal: true });
+      const { message } = /** @type {Error} */ (problem);
+      this.#fail({ type: 'error', code: 'forbidden', text: message, fatal: true });
       return;
     }
     if (this.#state !== 'connecting') return;
