@@ -334,6 +334,8 @@ class LiveSession:
             self._open().send(message.model_dump_json())
         except ConnectionClosed:
             self._come_back()
+            if not hasattr(message, "seq"):  # inputs have been sent again already
+                self._open().send(message.model_dump_json())
 
     def _open(self) -> ClientConnection:
         if self._socket is None:

@@ -12,12 +12,15 @@ from typing import TYPE_CHECKING, Any, Literal
 from palms.errors import PalmsWarning, SettingsError
 
 if TYPE_CHECKING:
+    from palms.advice import Advice
     from palms.building import Building
     from palms.floorplan import FloorPlan
+    from palms.heatmap import Candidates
     from palms.hints import Hint
     from palms.io import RecordedWalk
     from palms.localizer import Happening
     from palms.odometry import Odometry
+    from palms.posterior import Posterior
     from palms.scan import Scan
     from palms.settings import Settings
 
@@ -82,6 +85,8 @@ class Case:
         Where there are several levels; `plan` is the lowest.
     hints : tuple of Hint
         What is said of where it starts.
+    found : Candidates, Posterior or None
+        Where the scan may have been taken, once that has been asked.
     """
 
     plan: FloorPlan
@@ -93,6 +98,14 @@ class Case:
     walk_name: str
     building: Building | None = None
     hints: tuple[Hint, ...] = ()
+    found: Candidates | Posterior | None = None
+
+    @property
+    def advice(self) -> Advice | None:
+        """How much the scan tells, once it has been searched for."""
+        from palms.advice import advise
+
+        return None if self.found is None else advise(self.scan, self.found)
 
     @property
     def ground(self) -> FloorPlan | Building:
@@ -104,8 +117,8 @@ class Case:
         """What is known where the walk begins: hints, and the scan."""
         from palms.localizer import Happening
 
-        told: list[Scan | Hint] = [*self.hints, self.scan]
-        return tuple(Happening(-math.inf, what) for what in told)
+        said = (Happening(-math.inf, hint) for hint in self.hints)
+        return (*said, Happening(-math.inf, self.scan, self.found))
 
     def plan_of(self, level: str | None) -> FloorPlan:
         """Return the plan of a level; the only one where none is named."""

@@ -8,13 +8,14 @@ from statistics import median
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from palms.advice import Advice
     from palms.belief import Estimate
     from palms.cli._inputs import Case
     from palms.floorplan import FloorPlan
     from palms.geometry import FloatArray
     from palms.localizer import Track
 
-__all__ = ["HEADINGS", "at_the_end", "how_sure", "outcome", "row", "summary", "where"]
+__all__ = ["HEADINGS", "advised", "at_the_end", "how_sure", "outcome", "row", "summary", "where"]
 
 HEADINGS = ("seed", "localized after", "place", "within 2 m", "95 % within", "off by")
 
@@ -81,6 +82,25 @@ def how_sure(estimate: Estimate) -> str:
 
 def _percent(share: float) -> str:
     return f"{100 * share:.0f} %" if share >= 0.01 else "< 1 %"
+
+
+def advised(advice: Advice) -> str:
+    """Say how much a scan tells.
+
+    Examples
+    --------
+    >>> from palms.advice import Advice, Gap, View
+    >>> advised(Advice(View(12, False, ()), 3, 0.9))
+    'What the scan tells: 3 places hold 90 % of it; 12 walls, seen all round.'
+    >>> advised(Advice(View(1, True, (Gap(0.0, 3.1416),)), 40, 0.9))
+    'What the scan tells: 40 places hold 90 % of it; 1 wall, seen in 50 % of all directions.'
+    """
+    view = advice.view
+    places = f"{advice.n_places} {'place holds' if advice.n_places == 1 else 'places hold'}"
+    walls = f"{view.n_walls} {'wall' if view.n_walls == 1 else 'walls'}"
+    ways = " that all run one way" if view.one_way and view.n_walls > 1 else ""
+    seen = "all round" if not view.gaps else f"in {_percent(1 - view.unseen)} of all directions"
+    return f"What the scan tells: {places} 90 % of it; {walls}{ways}, seen {seen}."
 
 
 def outcome(track: Track, case: Case) -> tuple[str, str]:

@@ -24,6 +24,7 @@ from palms.cli._options import (
 from palms.cli._outputs import Speaker, check_file, is_stdout, speaker, table, write_result
 
 if TYPE_CHECKING:
+    from palms.advice import Advice
     from palms.building import Building
     from palms.hints import Hint
     from palms.places import Place
@@ -59,6 +60,7 @@ def locate(
     from palms.cli import _levels as levels
     from palms.cli._compiling import announcing
     from palms.cli._inputs import Input, make_settings, read_scan, scan_name
+    from palms.cli._words import advised
     from palms.io.track_json import locate_document
 
     settings = make_settings(method, cell_size)
@@ -69,10 +71,11 @@ def locate(
     check_file(png)
     say = speaker(json)
     with announcing(lambda text: typer.echo(text, err=True)):
-        found = _found(building, seen, hints, settings)
+        found, advice = _found(building, seen, hints, settings)
     places = found if len(building.levels) == 1 else _on_levels(found, building)
     _tell(places, building, top, say)
-    write_result(locate_document(places[:top], building, scan_name(scan), settings), json)
+    say(advised(advice))
+    write_result(locate_document(places[:top], building, scan_name(scan), settings, advice), json)
     if json is not None and not is_stdout(json):
         say(f"Result: {json}")
     if png is not None:
@@ -84,9 +87,10 @@ def locate(
 
 def _found(
     building: Building, scan: Scan, hints: Sequence[Hint], settings: Settings
-) -> Sequence[Place]:
-    """Return places of the building's atlas."""
+) -> tuple[Sequence[Place], Advice]:
+    """Return places of the building's atlas, and how much the scan and the hints tell."""
     import palms
+    from palms.advice import advise
     from palms.places import find_places
     from palms.posterior import Posterior, hinted
 
@@ -96,7 +100,7 @@ def _found(
     for hint in hints:
         assert isinstance(found, Posterior)  # of the methods that take hints
         found = hinted(found, hint, raster, atlas)
-    return find_places(found)
+    return find_places(found), advise(scan, found)
 
 
 def _on_levels(places: Sequence[Place], building: Building) -> list[Place]:

@@ -85,6 +85,10 @@ def track(
     room: RoomName = None,
     level: Level = None,
     hint_probability: HintProbability = 0.9,
+    spoken: Annotated[
+        bool,
+        typer.Option("--say", help="Print what a walker would have been told, with the times."),
+    ] = False,
     json: Json = None,
     out: Out = None,
     cell_size: CellSize = None,
@@ -98,6 +102,7 @@ def track(
     """Follow a recorded walk and tell when and where it was localized."""
     from palms.cli import _inputs as inputs
     from palms.cli import _levels as levels
+    from palms.cli._words import advised
 
     settings = inputs.make_settings(method, cell_size, particles)
     hints = levels.hints_of(near, room, level, hint_probability, settings)
@@ -114,8 +119,13 @@ def track(
     check_file(json)
     check_folder(out)
     say = speaker(json)
+    case = located(case, settings)
     tracks = follow(case, settings, range(seed, seed + trials))
+    if case.advice is not None:
+        say(advised(case.advice))
     tell(tracks, case, say)
+    if spoken:
+        read_out(case, settings, seed, say)
     write_result(document(tracks, case, settings), json)
     if json is not None and not is_stdout(json):
         say(f"Result: {json}")
@@ -123,6 +133,26 @@ def track(
         from palms.cli._pictures import tell_story
 
         draw(out, tell_story(case, settings, seed), case, say)
+
+
+def located(case: Case, settings: Settings) -> Case:
+    """Return a case whose scan has been searched for, so that nobody does it again."""
+    import palms
+    from palms.cli._compiling import announcing
+
+    if not settings.start.by_scan:
+        return case
+    with announcing(lambda text: typer.echo(text, err=True)):
+        return replace(case, found=palms.locate(case.ground, case.scan, settings))
+
+
+def read_out(case: Case, settings: Settings, seed: int, say: Speaker) -> None:
+    """Say the sentences that the voice has for the first trial."""
+    from palms.voice.recorded import narrate
+
+    for _, time_s, saying in narrate(case.ground, case.told, case.odometry, settings, seed):
+        details = "" if saying.details is None else f" ({saying.details})"
+        say(f"{time_s:6.1f} s  {saying.text}{details}")
 
 
 def follow(case: Case, settings: Settings, seeds: range) -> list[Track]:
@@ -173,6 +203,6 @@ def document(tracks: list[Track], case: Case, settings: Settings) -> dict[str, o
     from palms.io.track_json import track_document
 
     return track_document(
-        tracks, case.plan, settings,
+        tracks, case.plan, settings, case.advice,
         scan=case.scan_name, walk=case.walk_name, walk_source=case.source,
     )  # fmt: skip

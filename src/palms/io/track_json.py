@@ -13,6 +13,7 @@ from dataclasses import asdict
 from importlib.metadata import version
 from typing import Any
 
+from palms.advice import Advice
 from palms.belief import Estimate
 from palms.building import Building
 from palms.floorplan import FloorPlan
@@ -40,7 +41,11 @@ _PACKAGES = ("numpy", "scipy", "numba", "shapely")
 
 
 def track_document(
-    tracks: Iterable[Track], plan: FloorPlan, settings: Settings, **names: str | None
+    tracks: Iterable[Track],
+    plan: FloorPlan,
+    settings: Settings,
+    advice: Advice | None = None,
+    **names: str | None,
 ) -> dict[str, Any]:
     """Return tracks as a ``palms-track/1`` document.
 
@@ -51,6 +56,8 @@ def track_document(
     plan : FloorPlan
     settings : Settings
         They name the method.
+    advice : Advice, optional
+        How much the first scan tells.
     **names
         What else to call the input by: scan, walk, walk_source.
 
@@ -67,6 +74,7 @@ def track_document(
         "plan": plan.name,
         "method": settings.method,
         **names,
+        **_advised(advice),
         "settings": settings_document(settings),
         "versions": versions(),
         "trials": [_trial(track, plan.origin) for track in tracks],
@@ -93,8 +101,25 @@ def write_tracks(
     write_json(path, track_document(tracks, plan, settings))
 
 
+def _advised(advice: Advice | None) -> dict[str, Any]:
+    if advice is None:
+        return {}
+    view = advice.view
+    gaps = [{"middle_rad": gap.middle_rad, "width_rad": gap.width_rad} for gap in view.gaps]
+    return {
+        "advice": {
+            "n_places": advice.n_places, "mass": _probability(advice.mass),
+            "n_walls": view.n_walls, "one_way": view.one_way, "unseen": view.unseen, "gaps": gaps,
+        }
+    }  # fmt: skip
+
+
 def locate_document(
-    places: Sequence[Place], plan: FloorPlan | Building, scan: str, settings: Settings
+    places: Sequence[Place],
+    plan: FloorPlan | Building,
+    scan: str,
+    settings: Settings,
+    advice: Advice | None = None,
 ) -> dict[str, Any]:
     """Return candidate places as a ``palms-locate/1`` document.
 
@@ -107,6 +132,8 @@ def locate_document(
     scan : str
         What to call the scan.
     settings : Settings
+    advice : Advice, optional
+        How much the scan tells.
 
     Examples
     --------
@@ -126,6 +153,7 @@ def locate_document(
             _candidate(each, lowest if each.level is None else building.level(each.level))
             for each in places
         ],
+        **_advised(advice),
         "settings": settings_document(settings),
         "versions": versions(),
     }

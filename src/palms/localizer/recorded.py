@@ -38,10 +38,13 @@ class Happening(NamedTuple):
         move when it is earlier than that.
     what : Scan or Hint
         A scan taken then, in the odom frame, or what somebody says.
+    found : Candidates, Posterior or None
+        What `locate` makes of the scan, where it was asked before.
     """
 
     time_s: float
     what: Scan | Hint
+    found: Candidates | Posterior | None = None
 
 
 @dataclass(frozen=True)
@@ -188,9 +191,9 @@ def _located(
     if scan is None or isinstance(scan, Scan):
         scan = [] if scan is None else [Happening(-np.inf, scan)]
     told: list[_Told] = []
-    for time_s, what in sorted(scan, key=lambda each: each.time_s):
+    for time_s, what, found in sorted(scan, key=lambda each: each.time_s):
         if isinstance(what, Scan) and settings.start.by_scan and (settings.is_ours or not told):
-            told.append(_Told(time_s, what, locate(where, what, settings)))
+            told.append(_Told(time_s, what, found or locate(where, what, settings)))
         elif isinstance(what, Hint) and settings.is_ours:
             told.append(_Told(time_s, what, None))
     return tuple(each for each in told if settings.is_ours or each.time_s < start_s)

@@ -23,7 +23,7 @@ from palms.voice.places import Voice
 from palms.voice.preferences import Preferences
 from palms.voice.surroundings import Surroundings
 
-__all__ = ["Heard", "follow_moments", "moment_of", "narrate"]
+__all__ = ["Heard", "follow_moments", "moment_of", "narrate", "spoken"]
 
 
 class Heard(NamedTuple):
@@ -128,17 +128,35 @@ def narrate(
     >>> heard[0].saying.kind, heard[0].saying.text
     ('scan', 'Scan taken, eight walls. Two places possible.')
     """
-    scans = [Happening(-np.inf, scan)] if isinstance(scan, Scan) else list(scan)
-    waiting = sorted(scans, key=lambda each: each.time_s)
+    told = [Happening(-np.inf, scan)] if isinstance(scan, Scan) else list(scan)
+    scans = [(time_s, what) for time_s, what, *_ in told if isinstance(what, Scan)]
     narrator = Narrator(Voice(Surroundings.of(plan), preferences or Preferences()))
-    heard: list[Heard] = []
     moments = follow_moments(plan, scan, odometry, settings, seed)
-    for step, (time_s, moment) in enumerate(zip(odometry.time_s.tolist(), moments, strict=True)):
-        while waiting and waiting[0].time_s <= time_s:
-            told = waiting.pop(0).what
-            if isinstance(told, Scan):
-                narrator = narrator.scanned(view_of(told), None)
-        narrator, saying = narrator.hear(moment, time_s)
+    return spoken(narrator, moments, odometry.time_s.tolist(), scans)
+
+
+def spoken(
+    narrator: Narrator,
+    moments: Sequence[Moment],
+    time_s: Sequence[float],
+    scans: Sequence[tuple[float, Scan]] = (),
+) -> list[Heard]:
+    """Return what a narrator says unasked to moments.
+
+    Parameters
+    ----------
+    narrator : Narrator
+    moments : sequence of Moment
+    time_s : sequence of float
+        Of each moment.
+    scans : sequence of (float, Scan)
+        With the times that they were taken at.
+    """
+    waiting, heard = sorted(scans, key=lambda each: each[0]), []
+    for step, (now_s, moment) in enumerate(zip(time_s, moments, strict=True)):
+        while waiting and waiting[0][0] <= now_s:
+            narrator = narrator.scanned(view_of(waiting.pop(0)[1]), None)
+        narrator, saying = narrator.hear(moment, now_s)
         if saying is not None:
-            heard.append(Heard(step, time_s, saying))
+            heard.append(Heard(step, now_s, saying))
     return heard
