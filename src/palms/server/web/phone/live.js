@@ -27,6 +27,7 @@ const OVER = { // what the server's codes and reasons mean to somebody who walks
   unknown: 'over.unknown', replaced: 'over.replaced', idle: 'over.idle', deleted: 'over.deleted',
 };
 const LONGEST_WAY = 2000;
+const SHARED_S = 3600; // so long a link is good
 
 /** Says `over` ({text}) when it is over, `refused` ({key}) when it did not begin. */
 export class Live extends EventTarget {
@@ -77,6 +78,7 @@ export class Live extends EventTarget {
       say: (message) => this.#said(message),
       estimate: (message) => this.#estimated(message),
       viewers: (message) => this.#watched(message.viewers),
+      link: (message) => this.#linked(message.view),
       error: (message) => this.#failed(message),
       ended: (message) => this.#ended(OVER[/** @type {'idle'} */ (message.reason)] ??
         (message.recording ? 'over.recorded' : 'over.ended')),
@@ -143,8 +145,28 @@ export class Live extends EventTarget {
     else this.cue('tell.nothing', {}, { asked: true });
   }
 
+  /** Make a link with which others look on. */
+  share() {
+    if (this.socket.state !== 'open') return this.cue('gap.ask', {}, { asked: true });
+    this.socket.say({ type: 'share', ttl_s: SHARED_S });
+  }
+
+  /** @param {string} view key of the link */
+  async #linked(view) {
+    const url = `${location.origin}/#view=${view}`;
+    Object.assign(element('share-link'), { href: url, textContent: url });
+    element('share-place').hidden = false;
+    this.cue('share.text', {}, { asked: true });
+    try {
+      await navigator.share?.({ url });
+    } catch {
+      // who does not want to send it on finds it on the page
+    }
+  }
+
   /** Send away who looks on. */
   dismissViewers() {
+    element('share-place').hidden = true;
     this.socket.say({ type: 'dismiss' });
   }
 

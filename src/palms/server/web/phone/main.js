@@ -70,6 +70,7 @@ function finish(screen) {
   document.body.classList.remove('in-ar', 'is-pushed');
   element('speech').hidden = true;
   element('viewers').hidden = true;
+  element('share-place').hidden = true;
   element('place').textContent = '';
   show(screen);
 }
@@ -131,6 +132,7 @@ function bindButtons() {
     resume: goOn,
     'paused-end': () => live?.end(),
     end: () => live?.leaveOrStay(),
+    share: () => live?.share(),
     dismiss: () => live?.dismissViewers(),
     listen: () => live?.listen(),
     again: openEntrance,

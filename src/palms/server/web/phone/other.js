@@ -108,8 +108,8 @@ async function followRecording({ texts, speaker }, counter, form) {
   form.set('building', building);
   if (level) form.set('level', level);
   const track = await askJson('POST', '/api/v1/tracks', { form, bearer: key });
-  const at = `/api/v1/buildings/${building}/plan${level ? `?level=${level}` : ''}`;
-  const plan = await askJson('GET', at, { bearer: key });
+  const which = level ? `?level=${encodeURIComponent(level)}` : '';
+  const plan = await askJson('GET', `/api/v1/buildings/${building}/plan${which}`, { bearer: key });
   const found = lastPlace(track);
   if (!found) return say('other.notFound');
   element('upload-map').hidden = false;
