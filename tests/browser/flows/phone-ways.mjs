@@ -73,6 +73,8 @@ test('by keyboard and accessibility tree alone', async (t) => {
   await tabTo(page, 'textbox', 'I know where I am: a room, or its number');
   await page.keyboard.type('cross corridor');
   await page.keyboard.press('Enter');
+  await press(page, 'Let somebody look on');
+  await page.getByRole('link', { name: /\/#view=\S{20,}$/ }).waitFor();
   await press(page, 'Pause');
   await assertHeading(page, 'Paused');
   await press(page, 'Go on');

@@ -1,6 +1,7 @@
 // Words by voice, where the browser can understand them.
 
-const Recognition = globalThis.SpeechRecognition ?? globalThis.webkitSpeechRecognition;
+const browser = /** @type {any} */ (globalThis);
+const Recognition = browser.SpeechRecognition ?? browser.webkitSpeechRecognition;
 
 /** Whether this browser understands speech. */
 export const canListen = Boolean(Recognition);

@@ -34,6 +34,7 @@ export class Live extends EventTarget {
   eyes = new Eyes();
   #gapTimer = 0;
   #isGap = false;
+  #isFull = false;
   #isOver = false;
   #hasPlan = false;
   #viewers = 0;
@@ -228,6 +229,14 @@ export class Live extends EventTarget {
     }
   }
 
+  /** @param {string | null} level the one that the walk is on now */
+  #onLevel(level) {
+    if (!this.kept || !level || level === this.kept.level) return;
+    this.kept = { ...this.kept, level };
+    this.#way = [];
+    this.#loadPlan();
+  }
+
   /** @param {any} sentence */
   #said({ kind, text, details, urgent, language }) {
     const asked = ANSWERS.has(kind);
@@ -237,10 +246,12 @@ export class Live extends EventTarget {
   }
 
   /** @param {any} estimate */
-  #estimated({ stage, x_m, y_m, radius_95_m, facing_rad }) {
+  #estimated({ stage, level, x_m, y_m, radius_95_m, facing_rad }) {
+    this.#onLevel(level);
     document.body.dataset.stage = stage;
     const isTold = stage === 'localized';
-    if (isTold) this.#way = [...this.#way, [x_m, y_m]].slice(-LONGEST_WAY);
+    if (isTold) this.#way.push([x_m, y_m]);
+    if (this.#way.length > LONGEST_WAY) this.#way.shift();
     const spot = isTold ? { x_m, y_m, radius_m: radius_95_m, facing_rad } : null;
     this.company.sketch.setSpot(spot, this.#way);
   }
@@ -260,9 +271,14 @@ export class Live extends EventTarget {
   #failed({ code, fatal, text }) {
     if (!fatal && this.isPushed && code === 'input') this.company.speaker.say({ text });
     if (!fatal) return;
-    if (code === 'full') return this.cue('gap.full');
+    if (code === 'full' && this.socket.state !== 'closed') return this.#sayFull();
     if (code === 'unknown' && this.kept) return this.#ended('over.unknown');
     if (this.socket.state === 'closed') this.#refuse(code, text);
+  }
+
+  #sayFull() {
+    if (!this.#isFull) this.cue('gap.full');
+    this.#isFull = true;
   }
 
   /**
