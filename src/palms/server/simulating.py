@@ -28,6 +28,7 @@ from palms.geometry import FloatArray
 from palms.odometry import Move
 from palms.raster import PlanRaster
 from palms.server import messages
+from palms.server.scans import scan_message
 
 __all__ = ["simulated"]
 
@@ -35,7 +36,6 @@ STEP_M = 0.65  # ours: a human step
 STEP_S = 0.5
 LONGEST_M = 2000.0  # ours: of a drawn walk
 DEFAULT_M = 80.0  # ours: of a chosen walk; most are localized long before
-CHOICE_CELL_M = 0.25  # ours: coarser than where walks are measured, and soon done
 _CHOICE = 1  # purpose of random numbers
 
 
@@ -88,7 +88,7 @@ def simulated(
     world = make_world(raster.plan, WorldNoise(), rng)
     seen = take_scan(world, truth_m[0], drift, ScannerNoise(), rng).scan
     return messages.Simulation(
-        scan=_message(seen.walls_m, seen.position_m, seen.coverage_m),
+        scan=scan_message(seen),
         samples=_samples(truth_m, drift, rng),
         truth_m=tuple((float(x), float(y)) for x, y in truth_m), is_cut=is_cut,
     )  # fmt: skip
@@ -96,12 +96,11 @@ def simulated(
 
 def _chosen(plan: FloorPlan, length_m: float, rng: np.random.Generator) -> FloatArray:
     """Return a way through a building as people take it."""
-    world = make_world(plan, WorldNoise(), rng)
-    settings = RouteSettings(cell_size_m=CHOICE_CELL_M)
-    free = free_space(world, settings)
+    world = make_world(plan, WorldNoise.none(), rng)
+    free = free_space(world, RouteSettings())
     none = np.empty((0, 2))
     taken = choose_start(Place(world, free), none, ScannerNoise(), StartSettings(), rng)
-    route_m = plan_route(free, taken.position_m, length_m, settings, rng)
+    route_m = plan_route(free, taken.position_m, length_m, RouteSettings(), rng)
     return route_m[: 1 + int(np.searchsorted(_along(route_m), length_m))]
 
 
@@ -152,15 +151,3 @@ def _places(moves: Iterator[Move]) -> Iterator[tuple[float, float, float, float 
     for move in moves:
         x, y = x + move.dx_m, y + move.dy_m
         yield move.time_s, x, y, move.facing_rad
-
-
-def _message(
-    walls_m: FloatArray, position_m: FloatArray, coverage_m: FloatArray | None
-) -> messages.Scan:
-    free = None
-    if coverage_m is not None:
-        free = tuple(None if np.isnan(r) else float(r) for r in coverage_m)
-    return messages.Scan(
-        seq=1, t_s=0.0, planes=tuple(walls_m.tolist()), coverage_m=free,
-        position_m=(float(position_m[0]), float(position_m[1])),
-    )  # fmt: skip

@@ -20,9 +20,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from palms.errors import InputError, PalmsError
+from palms.server import messages
 from palms.server.limits import Limits
 
-__all__ = ["Upload", "Workshop", "read_plan_text", "read_scan_walls", "run_track"]
+__all__ = ["Upload", "Workshop", "read_plan_text", "read_scan_message", "run_track"]
 
 LONGEST_NAME = 100
 _FILE_BYTES = 200_000_000  # what a reader may write
@@ -188,20 +189,20 @@ def read_plan_text(upload: Upload, name: str) -> tuple[str, str]:
     return plan_text(replace(plan, name=name)), plan.level or ""
 
 
-def read_scan_walls(upload: Upload) -> tuple[list[Any], tuple[float, float]]:
-    """Return the walls of a scan's file, end points on the ground, and where it was taken.
+def read_scan_message(upload: Upload) -> messages.Scan:
+    """Return the scan of a file as a phone would send it.
 
     Examples
     --------
-    >>> read_scan_walls(Upload("scan.json", b"[[[2, -2.5], [2, 0.5]]]"))
-    ([[[2.0, -2.5], [2.0, 0.5]]], (0.0, 0.0))
+    >>> read_scan_message(Upload("scan.json", b"[[[2, -2.5], [2, 0.5]]]")).planes
+    ([[2.0, -2.5], [2.0, 0.5]],)
     """
     from palms.io import SCANS
+    from palms.server.scans import scan_message
 
     with tempfile.TemporaryDirectory(prefix="palms-") as folder:
         scan = _read(SCANS, upload, folder, "scan")
-    x, y = (float(value) for value in scan.position_m)
-    return scan.walls_m.tolist(), (x, y)
+    return scan_message(scan)
 
 
 def _read(group: str, upload: Upload, folder: str, stem: str) -> Any:  # noqa: ANN401

@@ -65,6 +65,7 @@ test('a walk that is drawn with the mouse localizes, is shared and replayed', as
 test('a walk is drawn by keys alone, and a wall stops it', async (t) => {
   const page = await openPage(t, '/', { init: FIXED });
   await page.waitForSelector('[data-ready]');
+  const { recordings } = await rest('GET', '/api/v1/recordings');
   await page.locator('#map').focus();
   await page.keyboard.press('ArrowRight');
   await page.keyboard.press('Space');
@@ -80,6 +81,10 @@ test('a walk is drawn by keys alone, and a wall stops it', async (t) => {
   await page.getByText(/^The walk of \d+ m is over/).waitFor();
   await page.getByRole('button', { name: 'New walk' }).click();
   await page.getByText(/^Draw a walk: press/).waitFor();
+  await page.waitForFunction(async (n) => { // what nobody keeps is deleted
+    const { recordings } = await (await fetch('/api/v1/recordings')).json();
+    return recordings.length === n;
+  }, recordings.length);
 });
 
 test('on a narrow phone in the dark a walk is chosen; nothing sticks out', async (t) => {

@@ -123,7 +123,7 @@ class SimulationRequest(Message):
     building: str = Field(max_length=100)
     level: str | None = Field(None, max_length=200)
     path_m: tuple[Point, ...] | None = Field(None, min_length=1, max_length=5000)
-    length_m: float = Field(80.0, gt=0, le=2000, allow_inf_nan=False)
+    length_m: float = Field(80.0, gt=0, le=500, allow_inf_nan=False)
     seed: int = Field(0, ge=0, le=2**53)
 
 

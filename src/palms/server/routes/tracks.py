@@ -10,7 +10,7 @@ from palms.server import messages
 from palms.server.catalogue import UnknownBuilding
 from palms.server.context import Parts, check_visitor
 from palms.server.routes.buildings import Format, found_building, upload_of
-from palms.server.workshop import read_scan_walls, run_track
+from palms.server.workshop import read_scan_message, run_track
 
 __all__ = ["router"]
 
@@ -62,5 +62,6 @@ async def read_scan(
 ) -> messages.Scan:
     """Read a scan's file; returns it as a message for the socket. Nothing is stored."""
     found_building(context, building)
-    walls_m, place = await context.workshop.do(read_scan_walls, await upload_of(scan, scan_format))
-    return messages.Scan(seq=1, t_s=0.0, planes=tuple(walls_m), position_m=place)
+    seen = await upload_of(scan, scan_format)
+    found: messages.Scan = await context.workshop.do(read_scan_message, seen)
+    return found

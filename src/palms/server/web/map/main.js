@@ -22,6 +22,7 @@ import { degrees, eventSentence } from './words.js';
 
 const LIST_MS = 3000;
 const ZOOM = 1.5;
+const BROKEN = 'The connection broke. Trying again…';
 
 /** @param {string} id @returns {any} */
 const $ = (id) => document.getElementById(id);
@@ -107,7 +108,11 @@ function listen(from) {
   });
   on('problem', note);
   on('plan', () => showWhole(from.story.planAt(undefined)));
-  on('state', (state) => note(state === 'waiting' ? 'The connection broke. Trying again…' : ''));
+  on('recorded', showSketch);
+  on('state', (state) => {
+    if (state === 'waiting') note(BROKEN);
+    else if ($('note').textContent === BROKEN) note('');
+  });
   on('finished', () => {
     player.finished();
     showSketch();
@@ -214,7 +219,7 @@ function showSketch() {
   $('pen').hidden = player.story !== null;
   $('timeline').hidden = player.story === null;
   $('another').hidden = player.story === null;
-  $('keep').hidden = !(source instanceof Walked && source.isOver && source.canRecord);
+  $('keep').hidden = !(source instanceof Walked && source.recording);
   $('walk').disabled = path.length < 2;
   $('undo').disabled = $('clear').disabled = path.length === 0;
   board.refresh();
@@ -239,6 +244,7 @@ async function walk(path_m) {
     const options = { level, speed, seed };
     follow(new Walked(where, /** @type {Plan} */ (plan), simulation, options));
     note(simulation.is_cut ? 'The walk ends where it met a wall.' : '');
+    if (document.activeElement === document.body) $('play').focus();
   } finally {
     $('choose').disabled = false;
     $('walk').disabled = sketch.path.length < 2;
@@ -249,6 +255,7 @@ async function walk(path_m) {
 async function drawAnew() {
   if (player.story) await showLevel();
   setMode('draw');
+  $('map').focus();
 }
 
 /** @param {'draw' | 'move'} mode */
@@ -264,7 +271,7 @@ function setMode(mode) {
 board.addEventListener('press', (event) => sketch.press(/** @type {CustomEvent} */ (event).detail));
 board.addEventListener('drag', (event) => sketch.drag(/** @type {CustomEvent} */ (event).detail));
 board.addEventListener('cancel', () => sketch.cancel());
-board.addEventListener('start', () => sketch.start());
+board.addEventListener('start', () => (player.story ? player.toggle() : sketch.start()));
 board.addEventListener('back', () => sketch.undo());
 board.addEventListener('escape', () => sketch.clear());
 board.addEventListener('enter', () => attempt(() => sketch.path.length > 1 && walk(sketch.path)));
@@ -299,14 +306,12 @@ async function replay(recording, key) {
   player.toggle();
 }
 
-/** End the drawn walk, keep its recording, and make a link to it. */
+/** Keep the recording of the drawn walk, and make a link to it. */
 async function keepWalk() {
-  if (!(source instanceof Walked)) return;
-  const recording = await source.end(true);
-  $('keep').hidden = true;
-  if (!recording) return note('This server keeps no recordings.');
-  rememberTruth(recording, source.story.truth_m);
-  await shareRecording(recording);
+  if (!(source instanceof Walked) || !source.recording) return;
+  source.isKept = true;
+  rememberTruth(source.recording, source.story.truth_m);
+  await shareRecording(source.recording);
 }
 
 /** Do something that may be refused; what was wrong is said in one line. */
@@ -366,5 +371,6 @@ async function begin() {
   document.body.dataset.ready = '';
 }
 addEventListener('hashchange', () => location.reload());
+addEventListener('pagehide', () => source?.close());
 showTab('try');
 attempt(begin);

@@ -103,7 +103,11 @@ function paintStory(canvas, view, story, index, { style, isOn }) {
     drawLine(canvas, view, story.truth_m, { density, stroke, width: 2, alpha: 0.3 });
     drawLine(canvas, view, walked, { density, stroke, width: 4, alpha: 0.55 });
   }
-  if (step && isOn('path')) drawPath(canvas, view, story.steps.slice(0, index + 1), style);
+  if (step && isOn('path')) {
+    const plan = story.planAt(step);
+    const before = story.steps.slice(0, index + 1).filter((each) => story.planAt(each) === plan);
+    drawPath(canvas, view, before, style);
+  }
   const truth = story.truthAt(step?.seq ?? 1);
   if (step && isOn('discs')) drawDiscs(canvas, view, step, style);
   if (truth && isOn('truth')) {

@@ -73,6 +73,8 @@ class Source extends EventTarget {
 export class Watched extends Source {
   #socket;
   #bearer;
+  #building = '';
+  #asked = new Set();
 
   /**
    * @param {object} which
@@ -95,21 +97,35 @@ export class Watched extends Source {
     this.#socket.addEventListener('ended', (event) => {
       this.tell('finished', /** @type {CustomEvent} */ (event).detail);
     });
+    this.#socket.addEventListener('estimate', (event) => {
+      this.#load(/** @type {CustomEvent} */ (event).detail.level);
+    });
     this.#socket.connect();
   }
 
   /** @param {Message} welcome */
-  async #welcome({ building, level }) {
+  #welcome({ building, level }) {
+    this.#building = building.id;
     this.story.title = building.name;
     this.story.level = level;
-    if (this.story.plans.has(level)) return;
+    return this.#load(level);
+  }
+
+  /**
+   * Get the plan of a level that somebody has come to.
+   *
+   * @param {string | null} level
+   */
+  async #load(level) {
+    if (!level || this.#asked.has(level)) return;
+    this.#asked.add(level);
     try {
-      this.story.plans.set(level, await loadPlan(building.id, level, this.#bearer));
+      this.story.plans.set(level, await loadPlan(this.#building, level, this.#bearer));
+      this.tell('plan');
+      this.tell('change');
     } catch (problem) {
       this.tell('problem', /** @type {Error} */ (problem).message);
     }
-    this.tell('plan');
-    this.tell('change');
   }
 
   close() {
@@ -117,17 +133,20 @@ export class Watched extends Source {
   }
 }
 
-/** Walks a path that the server simulates, as a phone would: its own session. */
+/**
+ * Walks a path that the server simulates, as a phone would: a session of its own. It is recorded,
+ * and the recording goes when the page lets go of it, unless somebody keeps it. Says `recorded`.
+ */
 export class Walked extends Source {
   #socket;
   #samples;
   #next = 0;
   #timer = 0;
-  /** @type {((recording: string | null) => void) | null} */ #ended = null;
   length_m;
-  isOver = false;
-  canRecord = false;
   speed;
+  isOver = false;
+  isKept = false;
+  /** @type {string | null} */ recording = null;
 
   /**
    * @param {{ id: string, name: string }} building
@@ -149,10 +168,8 @@ export class Walked extends Source {
     });
     this.listen(this.#socket);
     this.#socket.addEventListener('ended', (event) => {
-      this.#ended?.(/** @type {CustomEvent} */ (event).detail.recording);
-    });
-    this.#socket.addEventListener('welcome', (event) => {
-      this.canRecord = /** @type {CustomEvent} */ (event).detail.recording;
+      this.recording = /** @type {CustomEvent} */ (event).detail.recording;
+      this.tell('recorded');
     });
     const { type, t_s, planes, position_m, coverage_m } = simulation.scan;
     this.#socket.send({ type, t_s, planes, position_m, coverage_m });
@@ -160,38 +177,29 @@ export class Walked extends Source {
     this.#tick();
   }
 
+  /** Send the next sample, if the server keeps up; end after the last. */
   #tick() {
+    const last = this.story.steps.at(-1)?.seq ?? 0; // the scan, which is the first, takes its time
+    if (last === this.#samples.length + 1) {
+      this.isOver = true;
+      this.#socket.say({ type: 'end' });
+      this.tell('finished', {});
+      return;
+    }
     this.#timer = setTimeout(() => this.#tick(), SAMPLE_MS / this.speed);
     const isReady = this.#socket.state === 'open' && this.#socket.nUnstored < MOST_UNSTORED;
-    if (this.#next === 0 && this.story.steps.length === 0) return; // the scan takes its time
-    if (isReady && this.#next < this.#samples.length) {
+    if (last > 0 && isReady && this.#next < this.#samples.length) {
       this.#socket.send({ type: 'odometry', samples: [this.#samples[this.#next++]] });
     }
-    if (this.#next < this.#samples.length || this.#socket.nUnstored > 0) return;
-    if (this.story.steps.at(-1)?.seq !== this.#samples.length + 1) return;
-    clearTimeout(this.#timer);
-    this.isOver = true;
-    this.tell('finished', {});
-  }
-
-  /**
-   * End the session.
-   *
-   * @param {boolean} isKept whether its recording stays
-   * @returns {Promise<string | null>} name of the recording
-   */
-  end(isKept) {
-    clearTimeout(this.#timer);
-    if (this.#socket.state !== 'open') return Promise.resolve(null);
-    const ended = new Promise((resolve) => { this.#ended = resolve; });
-    this.#socket.say({ type: 'end', keep_recording: isKept });
-    return ended;
   }
 
   close() {
-    if (this.#socket.state === 'open') this.end(false);
-    else this.#socket.close();
     clearTimeout(this.#timer);
+    if (this.recording && !this.isKept) {
+      ask('DELETE', `/api/v1/recordings/${this.recording}`).catch(() => null); // it expires, too
+    } else if (this.#socket.state === 'open') {
+      this.#socket.say({ type: 'end', keep_recording: false });
+    } else this.#socket.close();
   }
 }
 

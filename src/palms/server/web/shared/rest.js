@@ -42,7 +42,12 @@ export async function ask(method, path, { json, form, bearer = token.get() } = {
   if (json) headers['content-type'] = 'application/json';
   let answer;
   try {
-    answer = await fetch(path, { method, headers, body: form ?? (json && JSON.stringify(json)) });
+    answer = await fetch(path, {
+      method,
+      headers,
+      body: form ?? (json && JSON.stringify(json)),
+      keepalive: method === 'DELETE', // also when the page is being left
+    });
   } catch {
     throw new Refusal(0, 'The server does not answer. Is it running?');
   }
