@@ -20,7 +20,7 @@ import re
 from typing import NamedTuple
 
 from palms.geometry import wrap_angle
-from palms.voice import Saying, Surroundings
+from palms.voice import Saying, Surroundings, Voice
 from palms.voice.places import NEAR_M
 from palms.voice.surroundings import Area
 
@@ -71,7 +71,8 @@ class Judge:
         self._around = around
         self._areas: dict[str, list[Area]] = {}
         for area in around.areas(self._level):
-            self._areas.setdefault(area.name.casefold(), []).append(area)
+            name = Voice(around).name(area.name).casefold()
+            self._areas.setdefault(name, []).append(area)
 
     def judge(self, saying: Saying, truth: Truth) -> Verdict:
         """Return what is wrong with a sentence about place."""

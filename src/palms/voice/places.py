@@ -155,10 +155,11 @@ class Voice:
         assert moment.radius_95_m is not None
         x, y = moment.position_m
         touched = self.surroundings.touching(moment.level, x, y, moment.radius_95_m)
-        if len(touched) == 1:
+        inside = bool(touched) and touched[0].away_m(x, y) == 0
+        if inside and len(touched) == 1:
             name = touched[0].name
             return self.texts.say("place.somewhere", area=self.name(name)), (name, "wide"), None
-        if len(touched) == 2:
+        if inside and len(touched) == 2:
             return self._either(*touched)
         nearest = touched[:1] or [
             each.area for each in self.surroundings.nearest(moment.level, (x, y), FAR_M)

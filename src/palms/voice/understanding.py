@@ -89,8 +89,9 @@ def understand(text: str, rooms: Iterable[Named], levels: Sequence[str] = ()) ->
         sounds = [str(words.homophones.get(word, word)) for word in said]
         found, probability = _rooms(_heard(sounds, words), some, words), LIKELY
     if not found:
-        return Understood("none" if level is None or _heard(said, words).words else "level",
-                          level=level)  # fmt: skip
+        rest = _heard(said, words)
+        unknown = level is None or rest.words or rest.numbers
+        return Understood("none" if unknown else "level", level=level)
     best = max(score for score, _ in found)
     choices = tuple(each for score, each in found if score == best)
     if best[0] < 1:
