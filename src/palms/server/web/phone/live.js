@@ -29,7 +29,7 @@ const OVER = { // what the server's codes and reasons mean to somebody who walks
 const LONGEST_WAY = 2000;
 const SHARED_S = 3600; // so long a link is good
 
-/** Says `over` ({text}) when it is over, `refused` ({key}) when it did not begin. */
+/** Says `over` ({text}) when it is over, `refused` ({code, text}) when it did not begin. */
 export class Live extends EventTarget {
   eyes = new Eyes();
   #gapTimer = 0;
@@ -287,8 +287,7 @@ export class Live extends EventTarget {
    */
   #refuse(code, text) {
     this.leave();
-    const detail = { key: code === 'forbidden' ? 'choose.usedTicket' : null, text };
-    this.dispatchEvent(new CustomEvent('refused', { detail }));
+    this.dispatchEvent(new CustomEvent('refused', { detail: { code, text } }));
   }
 
   /** @param {string} key */

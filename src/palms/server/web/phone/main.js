@@ -44,7 +44,6 @@ async function start(/** @type {Live} */ next, /** @type {string} */ problemId) 
     showProblem(problemId, texts.of(problem instanceof Unable ? problem.key : 'problem.noPlanes'));
     return false;
   }
-  element('speech').hidden = false;
   return true;
 }
 
@@ -57,10 +56,11 @@ function bindLive(next) {
     finish('over');
   });
   next.addEventListener('refused', (event) => {
-    const { key, text } = /** @type {CustomEvent} */ (event).detail;
-    entrance.ticket = null;
+    const { code, text } = /** @type {CustomEvent} */ (event).detail;
+    const problem = code === 'forbidden' && entrance.ticket ? texts.of('choose.usedTicket') : text;
+    entrance.spend();
     finish('choose');
-    entrance.open().then(() => showProblem('choose-problem', key ? texts.of(key) : text));
+    entrance.open().then(() => showProblem('choose-problem', problem));
   });
 }
 
@@ -68,7 +68,7 @@ function bindLive(next) {
 function finish(screen) {
   live = null;
   document.body.classList.remove('in-ar', 'is-pushed');
-  element('speech').hidden = true;
+  speaker.clear();
   element('viewers').hidden = true;
   element('share-place').hidden = true;
   element('place').textContent = '';
@@ -111,7 +111,6 @@ function listenTo(/** @type {Live} */ next) {
   keepAwake();
   bindLive(next);
   document.body.classList.add('is-pushed');
-  element('speech').hidden = false;
   next.connect();
   show('walk');
   next.cue('push.start', {}, { asked: true });

@@ -27,17 +27,18 @@ const PUSHED = { source: 'inertial', frame: 'own' };
  */
 export function bindOther(company, entrance, begun) {
   const counter = new Counter(entrance);
-  bindForm('upload', (form) => followRecording(company, counter, form));
-  bindForm('push', async (form) => begun(await openPushed(company, counter, form)));
+  bindForm(company, 'upload', (form) => followRecording(company, counter, form));
+  bindForm(company, 'push', async (form) => begun(await openPushed(company, counter, form)));
 }
 
 /**
  * Let a form do something; what goes wrong is said below it.
  *
+ * @param {Company} company
  * @param {string} name
  * @param {(form: FormData) => Promise<void>} does
  */
-function bindForm(name, does) {
+function bindForm(company, name, does) {
   const form = element(`${name}-form`);
   form.addEventListener('submit', async (/** @type {Event} */ event) => {
     event.preventDefault();
@@ -45,7 +46,7 @@ function bindForm(name, does) {
     try {
       await does(new FormData(form));
     } catch (problem) {
-      element('speech').hidden = true;
+      company.speaker.clear();
       showProblem(`${name}-problem`, /** @type {Error} */ (problem).message);
     }
   });
@@ -102,7 +103,6 @@ function redeemed(ticket) {
 async function followRecording({ texts, speaker }, counter, form) {
   const say = (/** @type {string} */ key, values = {}) =>
     speaker.say({ text: texts.of(key, values), asked: true });
-  element('speech').hidden = false;
   say('other.working');
   const { building, level, key } = await counter.pass();
   form.set('building', building);

@@ -40,6 +40,14 @@ export class Speaker {
     this.#wait();
   }
 
+  /** Say nothing more, and forget what was said. */
+  clear() {
+    clearTimeout(this.#timer);
+    [this.#talk, this.#last] = [SILENCE, null];
+    this.said.textContent = this.details.textContent = '';
+    globalThis.speechSynthesis?.cancel();
+  }
+
   /** Say the last sentence once more. */
   repeat() {
     if (this.#last) this.#speak({ ...this.#last, asked: true });

@@ -59,6 +59,16 @@ export class Eyes extends EventTarget {
   async open(root) {
     const session = await askForSession(root);
     this.#session = session;
+    try {
+      await this.#begin(session);
+    } catch {
+      await this.close();
+      throw new Unable('problem.noPlanes');
+    }
+  }
+
+  /** @param {XRSession} session */
+  async #begin(session) {
     session.addEventListener('end', () => this.#ended(session));
     session.addEventListener('visibilitychange', () =>
       this.#tell(session.visibilityState === 'hidden' ? 'hidden' : 'visible'));
@@ -146,7 +156,7 @@ async function askForSession(root) {
 function emptyLayer(/** @type {XRSession} */ session) {
   const canvas = document.createElement('canvas');
   const context = canvas.getContext('webgl2', { xrCompatible: true, alpha: true });
-  if (!context) throw new Unable('problem.noPlanes');
+  if (!context) throw new Error('no WebGL');
   return new XRWebGLLayer(session, context);
 }
 
