@@ -34,7 +34,7 @@ test('a ticket lets a phone in, once; it does not stay in the address', async (t
   const problem = page.locator('#choose-problem');
   await problem.filter({ hasText: 'This server lets nobody in without a ticket.' }).waitFor();
   await page.goto(`${SERVER}${path}`);
-  await phone.until(() => location.hash === '' && document.body.dataset.screen === 'choose');
+  await page.waitForURL((url) => !url.hash); // it takes the new code, and out of the address
   await page.getByRole('button', { name: 'Start', exact: true }).click();
   await problem.filter({ hasText: 'The ticket has been used or has expired.' }).waitFor();
   await assertAccessible(page, 'a used ticket');
