@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).parent
-PATIENCE_S = 300  # of one flow on a busy machine
+PATIENCE_S = 600  # of one flow on a busy machine
 WITHOUT_PACKAGES = "packages are missing: npm ci --prefix tests/browser"
 IS_REQUIRED = os.environ.get("PALMS_BROWSER_TESTS") == "required"
 

@@ -7,7 +7,7 @@ import { chromium } from 'playwright-core';
 /** Address of the server, as `http://127.0.0.1:8123`. */
 export const SERVER = process.env.PALMS_URL;
 /** So long may something take on a busy machine. */
-export const PATIENCE_MS = 60_000;
+export const PATIENCE_MS = 120_000;
 
 const AXE = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta.url), 'utf8');
 

@@ -2,7 +2,7 @@
 import { chromium } from 'playwright-core';
 
 const [url, executablePath, folder] = process.argv.slice(2);
-const FIXED = 'Math.random = () => 0.35;'; // the same phone, scan and walk each time
+const FIXED = 'Math.random = () => 0.1;'; // the same phone, scan and walk each time
 const LOCALIZED = '[data-stage=localized]';
 const AFTER = 8; // steps since it was localized
 

@@ -29,10 +29,10 @@ async function drawWithMouse(page, points_m) {
 test('a walk that is drawn with the mouse localizes, is shared and replayed', async (t) => {
   const page = await openPage(t, '/', { init: FIXED });
   await page.waitForSelector('[data-ready]');
-  const wanted = { building: 'sample', seed: 5, length_m: 60 };
+  const wanted = { building: 'sample', seed: 8, length_m: 50 };
   const { truth_m } = await rest('POST', '/api/v1/simulations', wanted);
   await drawWithMouse(page, truth_m);
-  await page.getByText(/^(59|60) m are drawn/).waitFor();
+  await page.getByText(/^(49|50) m are drawn/).waitFor();
   await page.getByLabel('Speed').evaluate((select) => { select.value = '10'; });
   await page.getByRole('button', { name: 'Walk', exact: true }).click();
   await page.locator('[data-stage=localized]').waitFor();
