@@ -23,25 +23,28 @@ after(() => browser?.close());
  *
  * @param {import('node:test').TestContext} t
  * @param {string} path such as `/`
- * @param {object} [options] of playwright's `newContext`; `init` is a script that runs before the
- *   page's own, or a list of them; `expected` a pattern of errors that belong to the test
+ * @param {object} [settings] of playwright's `newContext`; `init` is a script that runs before the
+ *   page's own, or a list of them; `clock` lets the test hold the page's clock; `server` is another
+ *   way to the server; `expected` is a pattern of errors that belong to the test
  */
-export async function openPage(t, path = '/', { init = [], expected, ...options } = {}) {
+export async function openPage(t, path = '/', settings = {}) {
+  const { server = SERVER, init = [], expected, clock = false, ...options } = settings;
   const context = await browser.newContext({ ignoreHTTPSErrors: true, ...options });
   context.setDefaultTimeout(PATIENCE_MS);
+  if (clock) await context.clock.install();
   for (const script of [init].flat()) await context.addInitScript(script);
   const page = await context.newPage();
-  const problems = watchForProblems(page);
+  const problems = watchForProblems(page, server);
   t.after(async () => {
     await context.close();
     const unexpected = problems.filter((each) => !expected?.test(each));
     assert.deepEqual(unexpected, [], 'what the page logged');
   });
-  await page.goto(SERVER + path);
+  await page.goto(server + path);
   return page;
 }
 
-function watchForProblems(page) {
+function watchForProblems(page, server) {
   const problems = [];
   page.on('console', (said) => {
     if (said.type() === 'error') problems.push(`${said.text()} ${said.location().url}`);
@@ -49,7 +52,7 @@ function watchForProblems(page) {
   page.on('pageerror', (error) => problems.push(String(error)));
   page.on('request', (request) => {
     const { protocol, origin } = new URL(request.url());
-    const isOwn = origin === SERVER || ['data:', 'blob:'].includes(protocol);
+    const isOwn = origin === server || ['data:', 'blob:'].includes(protocol);
     if (!isOwn) problems.push(`asked elsewhere: ${request.url()}`);
   });
   return problems;

@@ -5,6 +5,7 @@ import pytest
 from tests.browser.conftest import HERE, serving
 
 FLOWS = sorted(path.stem for path in (HERE / "flows").glob("*.mjs"))
+GUARDED = sorted(path.stem for path in (HERE / "guarded").glob("*.mjs"))
 TOKEN = "a token of the tests, long enough"
 
 
@@ -13,7 +14,8 @@ def test_flow(flow, served, name):
     flow(f"flows/{name}", served)
 
 
-def test_a_server_with_a_token(flow, browser, tmp_path):
+@pytest.mark.parametrize("name", GUARDED)
+def test_a_server_with_a_token(flow, browser, tmp_path, name):
     (tmp_path / "token").write_text(TOKEN)
     with serving(tmp_path / "data", "--token-file", tmp_path / "token") as (url, _):
-        flow("guarded/map-token", url, PALMS_TOKEN=TOKEN)
+        flow(f"guarded/{name}", url, PALMS_TOKEN=TOKEN)

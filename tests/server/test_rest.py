@@ -151,6 +151,40 @@ def test_a_recorded_walk_is_tracked_as_the_command_does_it(rest, tmp_path):
     assert rest.post("/api/v1/tracks", files=files, data=form).status_code == 422
 
 
+def scan_file(tmp_path):
+    write_scan_json(Scan(scan_walls()), tmp_path / "scan.json")
+    return {"scan": ("scan.json", (tmp_path / "scan.json").read_bytes())}
+
+
+def test_a_scans_file_becomes_a_message(rest, tmp_path):
+    files = scan_file(tmp_path)
+    answer = rest.post("/api/v1/scans", files=files, data={"building": "hall"})
+    assert answer.status_code == 200, answer.text
+    message = messages.parse_message(answer.text)
+    assert np.allclose(message.planes, scan_walls())
+    assert message.position_m == (0.0, 0.0)
+    assert rest.post("/api/v1/scans", files=files, data={"building": "x"}).status_code == 404
+    files["scan"] = ("scan.json", b"[]")
+    assert rest.post("/api/v1/scans", files=files, data={"building": "hall"}).status_code == 422
+
+
+def test_a_sessions_key_lets_its_files_be_read_and_nobody_elses(serve, phones, tmp_path):
+    token = "a token of some length"
+    url = serve(token=token)
+    phone = phones(url, additional_headers={"Authorization": f"Bearer {token}"})
+    key = phone.hello()["key"]
+    files = scan_file(tmp_path)
+
+    def status(bearer, building="hall"):
+        headers = {"Authorization": f"Bearer {bearer}"}
+        asked = {"files": files, "data": {"building": building}, "headers": headers}
+        return httpx.post(f"{url}/api/v1/scans", timeout=60, **asked).status_code
+
+    assert [status(key), status(token), status("guess"), status(key, "other")] == [
+        200, 200, 401, 401,
+    ]  # fmt: skip
+
+
 def recorded(server, phones, additional_headers=None, **fields):
     phone = phones(server, additional_headers=additional_headers)
     phone.hello(**({"record": True} | fields))

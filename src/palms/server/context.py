@@ -15,7 +15,15 @@ from palms.server.limits import Limits
 from palms.server.sessions import Sessions
 from palms.server.workshop import Workshop
 
-__all__ = ["Context", "Linked", "Operator", "Parts", "Visitor", "context_of"]
+__all__ = [
+    "Context",
+    "Linked",
+    "Operator",
+    "Parts",
+    "Visitor",
+    "check_visitor",
+    "context_of",
+]
 
 
 @dataclass(frozen=True)
@@ -48,8 +56,14 @@ def _operator(request: Request) -> None:
         raise HTTPException(401, "send the server's token as Authorization: Bearer TOKEN")
 
 
-def _visitor(request: Request, building: str) -> None:
-    """Refuse who is neither the operator nor has a session, or a link, in this building."""
+def check_visitor(request: Request, building: str) -> None:
+    """Refuse who is neither the operator nor has a session, or a link, in this building.
+
+    Raises
+    ------
+    HTTPException
+        401.
+    """
     context, header = context_of(request), request.headers.get("authorization", "")
     if context.gate.is_operator(header):
         return
@@ -71,5 +85,5 @@ def _linked(request: Request, recording: str) -> None:
 
 Parts = Annotated[Context, Depends(_parts)]
 Operator = Depends(_operator)
-Visitor = Depends(_visitor)
+Visitor = Depends(check_visitor)
 Linked = Depends(_linked)

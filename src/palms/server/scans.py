@@ -15,7 +15,7 @@ from palms.scan import Scan
 from palms.server import messages
 from palms.server.intake import ground_pose
 
-__all__ = ["clipped", "read_scan"]
+__all__ = ["clipped", "read_scan", "scan_message"]
 
 REACH_M = 30.0  # ours: three times a phone's LiDAR; planes grow while one walks
 MOST_WALLS = 400  # ours: a scan of the sample building has 40
@@ -52,6 +52,23 @@ def read_scan(message: messages.Scan, here_m: tuple[float, float]) -> Scan:
         coverage = np.array([np.nan if r is None else r for r in message.coverage_m])
     place = check_finite(position, "the scan's position", (2,))
     return Scan(walls, place, coverage, message.t_s)
+
+
+def scan_message(scan: Scan) -> messages.Scan:
+    """Return a scan as a phone would send it, its first input.
+
+    Examples
+    --------
+    >>> scan_message(Scan([[[2.0, -2.5], [2.0, 0.5]]])).planes
+    ([[2.0, -2.5], [2.0, 0.5]],)
+    """
+    free = None
+    if scan.coverage_m is not None:
+        free = tuple(None if np.isnan(r) else float(r) for r in scan.coverage_m)
+    x, y = (float(value) for value in scan.position_m)
+    return messages.Scan(
+        seq=1, t_s=0.0, planes=tuple(scan.walls_m.tolist()), coverage_m=free, position_m=(x, y)
+    )
 
 
 def _walls(message: messages.Scan) -> FloatArray:

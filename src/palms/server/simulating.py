@@ -32,6 +32,7 @@ from palms.io.happenings import LEVEL_PROBABILITY
 from palms.odometry import Move
 from palms.raster import PlanRaster
 from palms.server import messages
+from palms.server.scans import scan_message
 
 __all__ = ["Drawn", "simulated"]
 
@@ -122,7 +123,7 @@ def simulated(
     world = make_world(first.plan, WorldNoise(), rng)
     seen = take_scan(world, way.place_m[0], drift, ScannerNoise(), rng).scan
     return messages.Simulation(
-        scan=_message(seen.walls_m, seen.position_m, seen.coverage_m),
+        scan=scan_message(seen),
         samples=_samples(way.place_m, drift, rng),
         truth_m=tuple((float(x), float(y)) for x, y in way.place_m),
         truth_level=tuple(way.level), changes=tuple(_changes(way, drawn.names)),
@@ -246,15 +247,3 @@ def _places(moves: Iterator[Move]) -> Iterator[tuple[float, float, float, float 
     for move in moves:
         x, y = x + move.dx_m, y + move.dy_m
         yield move.time_s, x, y, move.facing_rad
-
-
-def _message(
-    walls_m: FloatArray, position_m: FloatArray, coverage_m: FloatArray | None
-) -> messages.Scan:
-    free = None
-    if coverage_m is not None:
-        free = tuple(None if np.isnan(r) else float(r) for r in coverage_m)
-    return messages.Scan(
-        seq=1, t_s=0.0, planes=tuple(walls_m.tolist()), coverage_m=free,
-        position_m=(float(position_m[0]), float(position_m[1])),
-    )  # fmt: skip

@@ -20,9 +20,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from palms.errors import InputError, PalmsError
+from palms.server import messages
 from palms.server.limits import Limits
 
-__all__ = ["Upload", "Workshop", "read_level_texts", "run_track"]
+__all__ = ["Upload", "Workshop", "read_level_texts", "read_scan_message", "run_track"]
 
 LONGEST_NAME = 100
 _FILE_BYTES = 200_000_000  # what a reader may write
@@ -233,6 +234,22 @@ def _read_levels(upload: Upload, folder: str) -> Sequence[Any]:
 
     found: Sequence[Any] = _at(_put(upload, folder, "plan"), folder, read)
     return found
+
+
+def read_scan_message(upload: Upload) -> messages.Scan:
+    """Return the scan of a file as a phone would send it.
+
+    Examples
+    --------
+    >>> read_scan_message(Upload("scan.json", b"[[[2, -2.5], [2, 0.5]]]")).planes
+    ([[2.0, -2.5], [2.0, 0.5]],)
+    """
+    from palms.io import SCANS
+    from palms.server.scans import scan_message
+
+    with tempfile.TemporaryDirectory(prefix="palms-") as folder:
+        scan = _read(SCANS, upload, folder, "scan")
+    return scan_message(scan)
 
 
 def _read(group: str, upload: Upload, folder: str, stem: str) -> Any:  # noqa: ANN401

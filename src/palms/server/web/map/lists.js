@@ -12,8 +12,11 @@ export function when(seconds) {
   return new Date(seconds * 1000).toLocaleString([], { dateStyle: 'medium', timeStyle: 'short' });
 }
 
-/** @param {any} each a session or a recording */
-function titleOf(each) {
+/**
+ * @param {any} each a session or a recording
+ * @param {(id: string) => string} nameOf its building
+ */
+function titleOf(each, nameOf) {
   return nameOf(each.building) + (each.level ? `, level ${each.level}` : '');
 }
 
@@ -68,7 +71,7 @@ export async function showSessions(nameOf, watch) {
   refill($('sessions'), inOrder.map((/** @type {any} */ each) => {
     const looking = each.n_viewers ? `, ${each.n_viewers} looking on` : '';
     const more = `${stageOf(each)}, since ${when(each.created_s)}${looking}`;
-    const title = titleOf(each);
+    const title = titleOf(each, nameOf);
     return entry(title, more, [['Watch', () => watch(each.session)]]);
   }));
   $('no-sessions').hidden = sessions.length > 0;
@@ -85,7 +88,7 @@ export async function showRecordings(nameOf, replay, share) {
   const { recordings } = await askJson('GET', '/api/v1/recordings');
   const again = () => showRecordings(nameOf, replay, share);
   refill($('recordings'), recordings.toReversed().map((/** @type {any} */ each) => {
-    const title = titleOf(each);
+    const title = titleOf(each, nameOf);
     const more = `${when(each.created_s)}, ${each.n_inputs} messages`;
     return entry(title, more, [
       ['Replay', () => replay(each.recording)],

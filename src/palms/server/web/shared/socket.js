@@ -107,13 +107,15 @@ export class LiveSocket extends EventTarget {
    * Send an input; it is numbered, and kept until it is stored.
    *
    * @param {Message} input without `seq`
+   * @returns {Message} the input as it is kept; it has its `seq` from the welcome on
    */
   send(input) {
     const numbered = { ...input };
     this.#unstored.push(numbered);
-    if (this.#nextSeq === null) return;
+    if (this.#nextSeq === null) return numbered;
     numbered.seq = this.#nextSeq++;
     this.#put(numbered);
+    return numbered;
   }
 
   /**
