@@ -236,9 +236,7 @@ def _orientation(dark: Mask, seen: FloatArray) -> float | None:
     return (peak + turn) % math.pi
 
 
-def _bars(
-    dark: Mask, left: Mask, turn: _Turn, run: float
-) -> tuple[FloatArray, FloatArray, Mask]:
+def _bars(dark: Mask, left: Mask, turn: _Turn, run: float) -> tuple[FloatArray, FloatArray, Mask]:
     """Bars along a turn's rows: middle lines (N, 2, 2), half thicknesses (N,), what they cover.
 
     None where there are too many to be walls.
