@@ -14,7 +14,8 @@ import numpy as np
 from benchmarks.mall.walks import FLOORS, Walk, read_walks
 from benchmarks.real.radish import data_folder
 from palms.geometry import FloatArray, lengths, rotate
-from palms.io import read_walk
+from palms.io.android import read_readings
+from palms.io.reckoned import ReckoningOptions, reckon
 
 TUNED_ON = "F2"  # lengths of legs on this floor gave the constants of step length
 SAME_STEP_S = 0.25  # ours: half a step; peaks nearer in time are one step
@@ -66,8 +67,9 @@ def read_logs(data: Path | None = None) -> list[Log]:
 def measure(log: Log) -> Iterator[dict[str, Any]]:
     """Yield a row of results for each method, and for the steps that come with the data."""
     about = {"floor": log.walk.floor, "walk": log.walk.name}
+    sensors = read_readings(log.path).sensors
     for name, options in METHODS.items():
-        found = read_walk(log.path, format="android", **options).odometry("ronin")
+        found = reckon(sensors, ReckoningOptions(**options), log.path)
         figures = against_waypoints(found.time_s, found.position_m, log.walk)
         steps = step_figures(found.time_s, log.walk)
         yield {**about, "method": name, **figures, **steps}

@@ -8,9 +8,10 @@ from pathlib import Path
 from types import ModuleType
 
 import numpy as np
+import shapely
 
 from palms.floorplan import FloorPlan
-from palms.geometry import FloatArray, distance_to_segments, lengths
+from palms.geometry import FloatArray, lengths
 from palms.io import FLOORPLANS, read_any, read_floorplan
 from palms.sample import sample_folder
 
@@ -61,7 +62,11 @@ def along(segments: FloatArray, step_m: float = 0.5) -> FloatArray:
 
 def apart_m(points: FloatArray, segments: FloatArray) -> FloatArray:
     """Distance of each point from the nearest segment."""
-    return np.array([distance_to_segments(point, segments).min() for point in points])
+    tree = shapely.STRtree(shapely.linestrings(segments))
+    _, apart = tree.query_nearest(
+        shapely.points(points), return_distance=True, all_matches=False
+    )  # fmt: skip
+    return apart
 
 
 def length_m(segments: FloatArray) -> float:

@@ -65,16 +65,26 @@ CASES = {
 }
 
 
+@pytest.fixture(scope="module")
+def good(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("good")
+    make_good(folder)
+    return {
+        str(path.relative_to(folder)): path.read_bytes()
+        for path in folder.rglob("*") if path.is_file()
+    }  # fmt: skip
+
+
 @pytest.mark.parametrize("name", CASES)
 @settings(derandomize=True, deadline=None, max_examples=150)
 @given(damages=damages)
-def test_damaged_copies(tmp_path_factory, name, damages):
+def test_damaged_copies(tmp_path_factory, good, name, damages):
     folder = tmp_path_factory.getbasetemp() / "damaged"
-    folder.mkdir(exist_ok=True)
-    (folder / "truth.csv").unlink(missing_ok=True)
-    make_good(folder)
+    (folder / "Session_1").mkdir(parents=True, exist_ok=True)
+    for each, content in good.items():
+        (folder / each).write_bytes(content)
     read_from, readers, kind = CASES[name]
-    (folder / name).write_bytes(damaged((folder / name).read_bytes(), damages))
+    (folder / name).write_bytes(damaged(good[name], damages))
     for read in readers:
         outcome(functools.partial(read, folder / read_from), kind, folder)
 

@@ -67,25 +67,32 @@ def test_all_levels_of_a_university_lie_in_one_frame():
             assert shared > 0.9 * min(below.area, above.area)
 
 
-def mall(floor: str):
-    """Plans of the same floor from its GeoJSON and its picture, in the mall's frame."""
-    folder = DATA / "mall" / floor
-    size = json.loads((folder / "floor_info.json").read_text())["map_info"]
-    drawn = read_floorplan(folder / "geojson_map.json")
+def mall_size_m(floor: str):
+    info = json.loads((DATA / "mall" / floor / "floor_info.json").read_text())
+    return [info["map_info"]["width"], info["map_info"]["height"]]
+
+
+def mall_drawn(floor: str):
+    """Segments of a floor from its GeoJSON, in the mall's frame."""
+    drawn = read_floorplan(DATA / "mall" / floor / "geojson_map.json")
+    low, high = drawn.bounds_m
+    return (drawn.segments_m - low) / (high - low) * mall_size_m(floor)
+
+
+def mall_seen(floor: str):
+    """Segments of a floor from its picture, in the mall's frame; metres a pixel."""
     from PIL import Image
 
-    with Image.open(folder / "floor_image.png") as picture:
-        scale = size["width"] / picture.width
-    seen = read_any(FLOORPLANS, folder / "floor_image.png", None, [f"scale={scale}"])
-    low, high = drawn.bounds_m
-    stretched = (drawn.segments_m - low) / (high - low) * [size["width"], size["height"]]
-    return stretched, seen.segments_m, scale
+    path = DATA / "mall" / floor / "floor_image.png"
+    with Image.open(path) as picture:
+        scale = mall_size_m(floor)[0] / picture.width
+    return read_any(FLOORPLANS, path, None, [f"scale={scale}"]).segments_m, scale
 
 
 @pytest.mark.parametrize("floor", ["F2", "F3", "F4"])
 def test_the_mall_and_its_picture_agree(floor):
     """A thumbnail of 0.3 m a pixel with names all over it: two pixels, for most of the walls."""
-    drawn, seen, pixel_m = mall(floor)
+    drawn, (seen, pixel_m) = mall_drawn(floor), mall_seen(floor)
     found = apart_m(along(drawn, 1.0), seen)
     spurious = apart_m(along(seen, 1.0), drawn)
     assert np.mean(found < 2 * pixel_m) > 0.6
@@ -95,6 +102,6 @@ def test_the_mall_and_its_picture_agree(floor):
 @pytest.mark.parametrize("floor", ["F2", "F3", "F4"])
 def test_the_mall_has_the_walls_that_are_known(floor):
     known = np.loadtxt(DATA / "mall" / floor / "walls.csv", delimiter=",", skiprows=1)
-    drawn, _, _ = mall(floor)
+    drawn = mall_drawn(floor)
     assert np.quantile(apart_m(along(known.reshape(-1, 2, 2), 1.0), drawn), 0.99) < 0.1
     assert np.quantile(apart_m(along(drawn, 1.0), known.reshape(-1, 2, 2)), 0.95) < 0.05

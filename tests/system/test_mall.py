@@ -81,7 +81,8 @@ def test_figures_at_waypoints_pool_the_waypoints(bench):
 def test_walks_that_cross_walls_are_as_many_as_is_known(bench):
     recorded, cases = bench["walks"].read_walks(), bench["cases"]
     assert [len(recorded[floor]) for floor in bench["walks"].FLOORS] == [21, 34, 32]
-    assert sum(cases.load_case("F2", k).crosses for k in range(21)) == 10
+    case = cases.load_case("F2", 0)  # the scans of the others have no part in it
+    assert sum(replace(case, walk=walk).crosses for walk in recorded["F2"]) == 10
 
 
 @needs_data

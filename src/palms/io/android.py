@@ -11,7 +11,7 @@ import math
 import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from palms.io.values import StrPath
 from palms.io.walk import RecordedWalk
 from palms.odometry import Odometry
 
-__all__ = ["FORMAT", "read_android"]
+__all__ = ["FORMAT", "Readings", "read_android", "read_readings"]
 
 _EXPECTED = "an Android sensor log: rows of unix_ms, TYPE_ACCELEROMETER, x, y, z"
 _SENSORS: Final = {  # numbers in a reading that count, and how far they can go
@@ -88,6 +88,43 @@ def read_android(
     """
     options = ReckoningOptions(length, heading, step_m, leg_m)
     options.settings()
+    readings = read_readings(path)
+    return _with_waypoints(reckon(readings.sensors, options, path), readings, path)
+
+
+class Readings(NamedTuple):
+    """What a log says before a walk is reckoned from it.
+
+    Parameters
+    ----------
+    sensors : dict
+        Times (N,) in seconds from the first reading or waypoint, and values, of "acceleration",
+        "rate" and "attitude".
+    waypoints : tuple
+        Times (W,), and points (W, 2) in metres of the map.
+    place : str or None
+        What the log calls it.
+    """
+
+    sensors: dict[str, tuple[FloatArray, FloatArray]]
+    waypoints: tuple[FloatArray, FloatArray]
+    place: str | None
+
+
+def read_readings(path: StrPath) -> Readings:
+    """Read the readings of an Android sensor log, for who reckons more than one walk from them.
+
+    Raises
+    ------
+    InputError, FormatError
+        As `read_android`.
+
+    Examples
+    --------
+    >>> read_readings("no/such/log.txt")
+    Traceback (most recent call last):
+    palms.errors.InputError: no/such/log.txt: expected a file, got nothing there; check the ...
+    """
     log = {name: Gathered(*bounds) for name, bounds in _SENSORS.items()}
     place = _gather(path, log)
     sensors = _sensors(log)
@@ -96,8 +133,7 @@ def read_android(
     starts = [float(times.min()) for times, _ in (*sensors.values(), marks) if len(times)]
     zero = min(starts, default=0.0)
     shifted = {name: (times - zero, values) for name, (times, values) in sensors.items()}
-    odometry = reckon(shifted, options, path)
-    return _with_waypoints(odometry, (marks[0] - zero, marks[1]), place, path)
+    return Readings(shifted, (marks[0] - zero, marks[1]), place)
 
 
 def _gather(path: StrPath, log: dict[str, Gathered]) -> str | None:
@@ -156,11 +192,9 @@ def _sensors(log: dict[str, Gathered]) -> dict[str, tuple[FloatArray, FloatArray
     return {"acceleration": felt, "rate": rate, "attitude": attitude}
 
 
-def _with_waypoints(
-    odometry: Odometry, marks: tuple[FloatArray, FloatArray], place: str | None, path: StrPath
-) -> RecordedWalk:
+def _with_waypoints(odometry: Odometry, readings: Readings, path: StrPath) -> RecordedWalk:
     """Give each waypoint to the step that ends nearest in time."""
-    time, points = marks
+    time, points = readings.waypoints
     reference = np.full((len(odometry), 2), np.nan)
     for at, point in zip(time.tolist(), points, strict=True):
         nearest = int(np.abs(odometry.time_s - at).argmin())
@@ -172,7 +206,7 @@ def _with_waypoints(
         reference_m=reference,
         start_m=points[0] if len(points) else None,
         ahead_m=ahead,
-        building_id=place,
+        building_id=readings.place,
         path=Path(path),
     )
 
