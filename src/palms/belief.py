@@ -182,8 +182,8 @@ class Belief:
     def drift_spread_rad(self) -> float:
         """Circular standard deviation of all drifts, at most pi."""
         drift, weight = self.particles.drift_rad, self.particles.weight
-        east, north = float(weight @ np.cos(drift)), float(weight @ np.sin(drift))
-        length = math.hypot(east, north) / float(weight.sum())
+        east, north = ((weight * turned(drift)).sum() for turned in (np.cos, np.sin))
+        length = math.hypot(float(east), float(north)) / float(weight.sum())
         return min(math.sqrt(max(-2 * math.log(max(length, 1e-12)), 0.0)), math.pi)
 
 

@@ -108,7 +108,7 @@ def _lost_share(particles: Particles, settings: ResamplingSettings) -> float:
     _, own, count = np.unique(
         np.floor(bins).astype(np.int64), axis=0, return_inverse=True, return_counts=True
     )
-    return float(particles.weight @ np.exp(-ALIKE * (count[own.reshape(-1)] - 1)))
+    return float((particles.weight * np.exp(-ALIKE * (count[own.reshape(-1)] - 1))).sum())
 
 
 def _walked_on(
@@ -168,7 +168,7 @@ def taken_up(belief: Belief, sighting: Sighting, conditions: Conditions, key: Ra
     found, said = sighting.found, 1 - settings.observation.elsewhere
     weight = np.exp(found.log_weight)
     before = _times_even(belief.particles, _phone_m(sighting), raster)
-    held = float(weight @ before)
+    held = float((weight * before).sum())
     doubt = doubted(
         belief.doubt, math.log(max(said * held + 1 - said, 1e-300)), settings.declaration
     )

@@ -106,7 +106,8 @@ def test_words_say_when_and_where_and_how_far_off(palms, world):
 
 def test_a_line_for_each_trial(palms, world):
     result = palms("track", world.plan, world.scan, world.walk, "--trials", 2, "--seed", 8)
-    headings, first, second, together = result.stdout.splitlines()
+    scanned, headings, first, second, together = result.stdout.splitlines()
+    assert scanned.startswith("What the scan tells: ")
     assert headings.startswith("seed  localized after")
     assert first.split()[0] == "8"
     assert second.split()[0] == "9"

@@ -74,7 +74,8 @@ def test_a_stated_probability_counts_and_is_kept(tmp_path):
     events = read_events(tmp_path / "events.json")
     assert events == tuple(told)
     walk, building = Odometry([1, 2], [[1, 0], [2, 0]]), generate_levels("office", 7, 1)
-    ((_, hint),) = happenings_of([], events, walk, building)  # one level is never left
+    (only,) = happenings_of([], events, walk, building)  # one level is never left
+    hint = only.what
     assert (hint.room, hint.probability) == ("Hall", 0.6)
 
 
@@ -87,8 +88,12 @@ def test_later_scans_count_where_they_share_session_and_clock():
     told = happenings_of(scans, [], walk, one)
     assert [each.what is scan for each, scan in zip(told, scans, strict=False)] == [True, True]
     own = replace(walk, position_m=walk.position_m @ [[0, 5], [-5, 0]], frame="own")
-    _, (time_s, moved) = happenings_of(scans, [], own, one)
-    assert (time_s, moved.position_m.tolist()) == (2.0, [0.0, 10.0])  # where that odometry was
+    _, second = happenings_of(scans, [], own, one)
+    moved = second.what
+    assert (second.time_s, moved.position_m.tolist()) == (
+        2.0,
+        [0.0, 10.0],
+    )  # where that odometry was
     np.testing.assert_allclose(moved.relative_m, later.relative_m)
 
 

@@ -10,6 +10,7 @@ import pytest
 
 import palms
 from palms import Odometry, Scan, Settings
+from palms.belief import whole_m
 from palms.geometry import distance_to_segments, rotate
 from palms.io import RecordedWalk, open_dataset, write_scan_json, write_tracking
 from palms.io.track_json import track_document
@@ -320,7 +321,8 @@ def test_a_recording_s_frames_are_those_that_a_viewer_got(server, phones, rest):
     clouds = [each for each in found if isinstance(each, messages.ParticlesFrame)]
     assert [each.seq for each in clouds] == list(range(1, 16))
     away = np.linalg.norm(clouds[-1].position_m - [last["x_m"], last["y_m"]], axis=1)
-    assert np.mean(away <= last["radius_95_m"]) == pytest.approx(0.95, abs=0.06)
+    radius_m = whole_m(last["radius_95_m"], Settings().answer.local_spread)
+    assert np.mean(away <= radius_m) == pytest.approx(0.95, abs=0.06)
 
 
 def test_an_address_is_drawn_as_a_code(rest):

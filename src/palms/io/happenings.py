@@ -51,7 +51,7 @@ def happenings_of(
     >>> walk = Odometry([1, 2, 3], [[1, 0], [2, 0], [3, 0]])
     >>> events = [Event(2.0, "hint", room="Hall"), Event(3.0, "jump")]
     >>> told = happenings_of([], events, walk, Building((FloorPlan([[[0, 0], [8, 0]]]),)))
-    >>> [(time_s, hint.room, hint.probability) for time_s, hint in told]
+    >>> [(each.time_s, each.what.room, each.what.probability) for each in told]
     [(2.0, 'Hall', 0.8)]
     """
     from palms.localizer import Happening
