@@ -35,11 +35,12 @@ def figure(trials: Trials, name: str) -> Interval:
 
 def mean(trials: Trials, name: str) -> float:
     """Return the mean of a metric, over the trials that have one."""
-    return float(np.nanmean([_number(t.get(name)) for t in trials]))
+    known = [value for value in (_number(t.get(name)) for t in trials) if not math.isnan(value)]
+    return float(np.mean(known)) if known else math.nan
 
 
 def ratio(trials: Trials, name: str, other: str = "oracle") -> float:
-    """Return the mean of a metric over another method's.
+    """Return the mean of a metric over another method's; NaN where that is 0.
 
     Examples
     --------
@@ -47,7 +48,8 @@ def ratio(trials: Trials, name: str, other: str = "oracle") -> float:
     >>> ratio(trials, "useful")
     0.625
     """
-    return mean(of(trials), name) / mean(of(trials, other), name)
+    theirs = mean(of(trials, other), name)
+    return mean(of(trials), name) / theirs if theirs else math.nan
 
 
 def metres_ratio(trials: Trials, other: str = "oracle") -> float:

@@ -1,6 +1,7 @@
 """The table of goals says what results say, and that what was not measured was not."""
 
 import json
+import math
 
 import pytest
 
@@ -26,6 +27,11 @@ def walks(n, method, **figures):
 def test_ratios_are_against_the_oracle():
     trials = walks(2, "palms", useful=0.4) + walks(2, "oracle", useful=0.5)
     assert ratio(trials, "useful") == pytest.approx(0.8)
+
+
+def test_a_ratio_to_nothing_is_no_number():
+    trials = walks(2, "palms") + walks(2, "oracle", useful=0.0)
+    assert math.isnan(ratio(trials, "useful"))
 
 
 def test_metres_count_on_walks_that_both_declare_rightly():

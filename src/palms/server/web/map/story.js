@@ -116,7 +116,7 @@ export class Story {
     const scan = Math.max(...scans);
     const level = this.#levelAt(seq);
     const shown = this.heatmaps.filter(
-      (map) => map.seq === scan && (map.n_levels === 0 || map.level === level),
+      (map) => map.seq === scan && (!map.n_levels || map.level === level),
     );
     return shown.sort((a, b) => a.number - b.number);
   }
