@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import asyncio
 import json
+import random
 import re
 import time
 from dataclasses import dataclass, field
@@ -70,7 +71,8 @@ async def listen(socket: ClientConnection, sent: dict[int, float], report: Repor
 
 async def phone(url: str, number: int, arguments: argparse.Namespace, report: Report) -> None:
     """One phone from its start to the end of the test."""
-    await asyncio.sleep(number * arguments.start_over / arguments.sessions)
+    later = random.Random(number).random()  # nobody's steps fall in with all others'
+    await asyncio.sleep((number + later) * arguments.start_over / arguments.sessions)
     scan, steps = inputs(arguments.rate, int(arguments.rate * arguments.seconds))
     async with connect(url, compression=None) as socket:
         await socket.send(json.dumps({
