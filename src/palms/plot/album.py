@@ -23,7 +23,7 @@ from palms.plot.empty_space import (
     wrong_match,
 )
 from palms.plot.output import image_bytes
-from palms.plot.pipeline import pipeline_figure
+from palms.plot.pipeline import named_guesses, pipeline_figure
 from palms.plot.plans import plan_figure
 from palms.plot.stages import moment_words, moments_of, stages_figure
 from palms.plot.story import Story
@@ -205,7 +205,8 @@ def _of_pipeline(story: Story) -> str:
     return (
         f"Five steps from left to right: the {len(story.scan.walls_m)} walls of the scan; the "
         "floor plan; the template of wanted walls and certainly empty space; heatmaps of where "
-        f"it fits, for {tried}; and {len(story.candidates):,} candidate cells on the "
+        f"it fits, for {tried}; and {len(story.candidates):,} "
+        f"{named_guesses(story.candidates)} on the "
         "plan, coloured and shaped by drift."
     )
 

@@ -268,6 +268,11 @@ def _shrunk(scores: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
     return best
 
 
+def named_guesses(candidates: Candidates | Posterior) -> str:
+    """Return what a method keeps of a scan, in words."""
+    return "candidate cells" if isinstance(candidates, Candidates) else "poses"
+
+
 def _particles_panel(
     axes: Axes,
     candidates: Candidates | Posterior,
@@ -281,7 +286,7 @@ def _particles_panel(
     if particles is None:
         chosen = by_weight(np.exp(candidates.log_weight), _PARTICLES)
         position, label = candidates.position_m[chosen], candidates.label[chosen]
-        drift, word = candidates.drift_rad[chosen], "candidate cells"
+        drift, word = candidates.drift_rad[chosen], named_guesses(candidates)
     else:
         chosen = by_weight(particles.weight, _PARTICLES)
         position, label = particles.position_m[chosen], particles.label[chosen]
