@@ -21,7 +21,6 @@ from palms.settings import AnswerSettings, ConvergenceSettings
 
 __all__ = ["Belief", "Estimate", "Hypothesis", "Spots", "Stage", "settle", "summarize"]
 
-RADII_M = (1.0, 2.0)  # what every answer tells the shares of
 N_SPOTS = 5  # ours: as many as are told, unless the settings ask for more
 LOCAL_M = 2.0  # ours: what lies nearer to the answer is the same place, as in p_within_2m
 _SETTLE = 6  # purpose of random numbers, after those of particles.py
@@ -155,24 +154,22 @@ class Belief:
 
     def share_within(self, radius_m: float) -> float:
         """Share of the weight within a radius of the answer."""
-        if radius_m in RADII_M:
-            return self._nearness[RADII_M.index(radius_m)]
         return self._share(self.away_m, radius_m)
 
     @property
     def radii_m(self) -> tuple[float, float]:
         """Radii of the discs around the answer that hold 68 % and 95 %, doubt taken off."""
-        return self._nearness[2:]
+        _, radii_m = self.nearness()
+        return radii_m
 
-    @cached_property
-    def _nearness(self) -> tuple[float, float, float, float]:
-        """Shares within `RADII_M` and the radii: all that needs the distances, which are many."""
+    def nearness(self, *within_m: float) -> tuple[list[float], tuple[float, float]]:
+        """Return the shares within some radii, and `radii_m`; the distances are found once."""
         away, sure = self.away_m, 1 - self.doubt
         shares = np.array([min(share / sure, 1.0) for share in (0.68, 0.95)])
         radii = np.empty(2)
         clusters.weighted_quantiles(away, self.particles.weight, shares, radii)
-        one, two = (self._share(away, radius_m) for radius_m in RADII_M)
-        return one, two, float(radii[0]), float(radii[1])
+        near = [self._share(away, radius_m) for radius_m in within_m]
+        return near, (float(radii[0]), float(radii[1]))
 
     def _share(self, away_m: FloatArray, radius_m: float) -> float:
         share = float(clusters.weight_within(away_m, self.particles.weight, radius_m))
@@ -181,9 +178,7 @@ class Belief:
     @cached_property
     def drift_spread_rad(self) -> float:
         """Circular standard deviation of all drifts, at most pi."""
-        drift, weight = self.particles.drift_rad, self.particles.weight
-        east, north = ((weight * turned(drift)).sum() for turned in (np.cos, np.sin))
-        length = math.hypot(float(east), float(north)) / float(weight.sum())
+        length = self.particles.drift_agreement()
         return min(math.sqrt(max(-2 * math.log(max(length, 1e-12)), 0.0)), math.pi)
 
 
@@ -329,11 +324,11 @@ def summarize(
     settings = settings or AnswerSettings()
     drift, sure = belief.drift_rad, 1 - belief.doubt
     heading = None if heading_odom_rad is None else float(wrap_angle(heading_odom_rad + drift))
-    radius_68, radius_95 = belief.radii_m
     local = settings.local_spread
+    (near, nearly), (radius_68, radius_95) = belief.nearness(1.0 / local, 2.0)
     return Estimate(
         time_s, belief.stage, belief.answer_m, heading, drift,
-        sure * belief.share_within(1.0 / local), sure * belief.share_within(2.0),
+        sure * near, sure * nearly,
         gathered_m(radius_68, local), gathered_m(radius_95, local),
         hypotheses(belief, settings.hypotheses, settings.hypothesis_radius_m),
     )  # fmt: skip

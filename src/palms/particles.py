@@ -114,12 +114,22 @@ class Particles:
             The place that each particle belongs to, or -1.
         n : int
         """
-        sums = np.empty((n, 5))
-        loops.gathered(self.position_m, self.drift_rad, self.weight, place, sums)
+        sums = self._sums(place, n)
         drift = wrap_angle(np.arctan2(sums[:, 4], sums[:, 3]))
         with np.errstate(invalid="ignore"):
             mean = sums[:, 1:3] / sums[:, :1]
         return [(mean[k], float(drift[k])) for k in range(n)]
+
+    def drift_agreement(self) -> float:
+        """Length of the mean of all drifts as unit vectors: 1 where they agree, 0 all around."""
+        ((weight, _, _, east, north),) = self._sums(np.zeros(len(self), np.int8), 1)
+        return math.hypot(east, north) / float(weight)
+
+    def _sums(self, place: npt.NDArray[np.int8], n: int) -> FloatArray:
+        """Return sums (n, 5) for n places: weight; x, y, the drift's cosine and sine by weight."""
+        sums = np.empty((n, 5))
+        loops.gathered(self.position_m, self.drift_rad, self.weight, place, sums)
+        return sums
 
     def dispersion_m(self) -> float:
         """Root of the summed variances of the positions."""

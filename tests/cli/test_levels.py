@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from palms.evaluation.metrics import Answers
+from palms.evaluation.answers import Answers
 from palms.io import Truth, write_json, write_plan_csv, write_scan_json, write_truth
 from tests.test_building import DRIFT, GROUND, START, STEPS, UPPER, scan_on
 from tests.worlds import walk

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from palms import Settings
-from palms.evaluation.metrics import Answers
+from palms.evaluation.answers import Answers
 from palms.geometry import rotate
 
 ROOT = Path(__file__).resolve().parents[2]

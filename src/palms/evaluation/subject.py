@@ -10,7 +10,7 @@ import numpy as np
 
 from palms.building import Building
 from palms.errors import FormatError, InputError
-from palms.evaluation.metrics import Answers
+from palms.evaluation.answers import Answers
 from palms.evaluation.oracle import ORACLE
 from palms.evaluation.simulation.output import NUISANCES_FILE, read_nuisances
 from palms.evaluation.simulation.settings import InertialNoise, VioNoise

@@ -1,24 +1,9 @@
-"""A client of a PALMS server in Python: be a phone, or look on.
-
-Needs the extra ``client``. A session that loses its connection comes back by itself and sends again
-what the server has not stored; nothing is applied twice.
-
-Examples
---------
->>> client = Client("http://127.0.0.1:8000")
->>> client.socket_url
-'ws://127.0.0.1:8000/api/v1/live'
-"""
+"""A live session of one phone."""
 
 from __future__ import annotations
 
-import json
-import ssl
 import time
-import urllib.error
-import urllib.request
 from collections import deque
-from collections.abc import Iterator
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self, TypeVar
 
@@ -34,137 +19,17 @@ from palms.server.messages.frames import HeatmapFrame, ParticlesFrame
 if TYPE_CHECKING:
     from websockets.sync.client import ClientConnection
 
-__all__ = ["Client", "LiveSession"]
+    from palms.client.server import Client
+
+__all__ = ["PATIENCE_S", "LiveSession", "read_answer"]
 
 M = TypeVar("M", bound=messages.ServerMessage)
 PATIENCE_S = 30.0  # ours: an answer that takes longer does not come
 RETRY_S = 0.2  # ours: between two attempts to come back
 
 
-class Client:
-    """A PALMS server, as a client sees it.
-
-    Parameters
-    ----------
-    url : str
-        As ``https://palms.local:8000``.
-    token : str, optional
-        The operator's.
-    trust : ssl.SSLContext, optional
-        Which certificates to trust; the system's when left out.
-    """
-
-    def __init__(
-        self, url: str, token: str | None = None, trust: ssl.SSLContext | None = None
-    ) -> None:
-        self.url = url.rstrip("/")
-        self._headers = {} if token is None else {"Authorization": f"Bearer {token}"}
-        self._trust = trust
-
-    @property
-    def socket_url(self) -> str:
-        """Where its socket is."""
-        return "ws" + self.url.removeprefix("http") + "/api/v1/live"
-
-    def get(self, path: str) -> Any:  # noqa: ANN401 - whatever the JSON holds
-        """Return what a path below ``/api/v1`` says.
-
-        Raises
-        ------
-        PalmsError
-            When the server refuses, or cannot be reached.
-        """
-        request = urllib.request.Request(f"{self.url}/api/v1/{path}", headers=self._headers)
-        try:
-            with urllib.request.urlopen(request, timeout=PATIENCE_S, context=self._trust) as answer:
-                return json.load(answer)
-        except urllib.error.HTTPError as error:
-            raise PalmsError(f"{self.url}: {_reason(error)}") from None
-        except (OSError, ValueError) as error:
-            raise PalmsError(self.url, expected="a PALMS server", got=str(error)) from None
-
-    def buildings(self) -> tuple[messages.Building, ...]:
-        """Return the server's buildings."""
-        listed = json.dumps(self.get("buildings"))
-        return messages.BuildingList.model_validate_json(listed).buildings
-
-    def session(self, building: str, **options: Any) -> LiveSession:  # noqa: ANN401
-        """Open a session in a building.
-
-        Parameters
-        ----------
-        building : str
-            Its id.
-        **options
-            More fields of `palms.server.messages.Hello`.
-        """
-        return LiveSession(self, messages.Hello(building=building, **options))
-
-    def resume(self, session: str, key: str, **options: Any) -> LiveSession:  # noqa: ANN401
-        """Go on with a session that was opened before, perhaps by another process."""
-        return LiveSession(self, messages.Hello(session=session, key=key, **options))
-
-    def watch(
-        self,
-        view: str | None = None,
-        session: str | None = None,
-        **options: Any,  # noqa: ANN401
-    ) -> Iterator[messages.ServerMessage | ParticlesFrame | HeatmapFrame]:
-        """Look on at a session until it ends: by a link, or as the operator.
-
-        Parameters
-        ----------
-        view : str, optional
-            The key of a link.
-        session : str, optional
-            The session, for the operator.
-        **options
-            More fields of `palms.server.messages.Hello`, such as what to receive.
-        """
-        hello = messages.Hello(role="viewer", view=view, session=session, **options)
-        with self.connect() as socket:
-            socket.send(hello.model_dump_json())
-            for content in socket:
-                answer = _read(content)
-                if isinstance(answer, messages.Error) and answer.fatal:
-                    raise PalmsError(f"{self.url}: {answer.text}")
-                yield answer
-
-    def connect(self) -> ClientConnection:
-        """Open a socket.
-
-        Raises
-        ------
-        PalmsError
-            When the package websockets is missing, or nobody answers.
-        """
-        try:
-            from websockets.exceptions import WebSocketException
-            from websockets.sync.client import connect
-        except ImportError:
-            raise PalmsError(
-                "palms.client", expected="the package websockets", got="none",
-                fix='pip install "palms-localization[client]"',
-            ) from None  # fmt: skip
-        try:
-            opening: Any = connect(
-                self.socket_url, additional_headers=self._headers, ssl=self._trust,
-                open_timeout=PATIENCE_S, max_size=None, compression=None,
-            )  # fmt: skip
-            socket: ClientConnection = opening.__enter__()  # it is left by close()
-        except (OSError, WebSocketException) as error:
-            raise PalmsError(self.url, expected="a PALMS server", got=str(error)) from None
-        return socket
-
-
-def _reason(error: urllib.error.HTTPError) -> str:
-    try:
-        return str(json.load(error)["error"])
-    except (OSError, ValueError, KeyError, TypeError):
-        return f"{error.code} {error.reason}"
-
-
-def _read(content: str | bytes) -> messages.ServerMessage | ParticlesFrame | HeatmapFrame:
+def read_answer(content: str | bytes) -> messages.ServerMessage | ParticlesFrame | HeatmapFrame:
+    """Return what the server sent: a message, or a binary frame."""
     return (
         messages.parse_answer(content)
         if isinstance(content, str)
@@ -354,7 +219,7 @@ class LiveSession:
 
         while True:
             try:
-                answer = _read(self._open().recv(PATIENCE_S))
+                answer = read_answer(self._open().recv(PATIENCE_S))
             except (ConnectionClosed, TimeoutError):
                 self._come_back()
                 continue
