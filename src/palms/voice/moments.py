@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 
-__all__ = ["Moment"]
+from palms.advice import HELD
 
-ONE_PLACE = 0.05  # ours: a place of less probability is not counted
-COUNTED = 0.7  # ours: places that hold less together are not all there are
+__all__ = ["Moment"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +39,8 @@ class Moment:
     --------
     >>> Moment("searching", shares=(0.4, 0.3, 0.2, 0.01)).n_places
     3
+    >>> Moment("searching", shares=(0.6, 0.05, 0.02)).n_places is None  # and many more
+    True
     """
 
     stage: str
@@ -54,9 +56,9 @@ class Moment:
     @property
     def n_places(self) -> int | None:
         """How many places are possible; None when they are more than are known."""
-        if sum(self.shares) < COUNTED:
-            return None
-        return sum(share >= ONE_PLACE for share in self.shares) or None
+        held = itertools.accumulate(self.shares)
+        counts = (n for n, share in enumerate(held, start=1) if share >= HELD - 1e-9)
+        return next(counts, None)
 
     @property
     def is_placed(self) -> bool:

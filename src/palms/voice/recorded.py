@@ -126,7 +126,7 @@ def narrate(
     >>> case = open_dataset(sample_folder()).cases[0]
     >>> heard = narrate(case.plan(), case.scan(), case.walk().odometry())
     >>> heard[0].saying.kind, heard[0].saying.text
-    ('scan', 'Scan taken, eight walls. Two places possible.')
+    ('scan', 'Scan taken, eight walls. Many places possible.')
     """
     told = [Happening(-np.inf, scan)] if isinstance(scan, Scan) else list(scan)
     scans = [(time_s, what) for time_s, what, *_ in told if isinstance(what, Scan)]
