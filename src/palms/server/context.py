@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import Depends, HTTPException, Request
 from starlette.requests import HTTPConnection
@@ -12,6 +12,7 @@ from palms.server.catalogue import Catalogue
 from palms.server.gate import Gate
 from palms.server.journal import Journal
 from palms.server.limits import Limits
+from palms.server.messages import Problem
 from palms.server.sessions import Sessions
 from palms.server.workshop import Workshop
 
@@ -23,6 +24,7 @@ __all__ = [
     "Visitor",
     "check_visitor",
     "context_of",
+    "problems",
 ]
 
 
@@ -42,6 +44,17 @@ def context_of(connection: HTTPConnection) -> Context:
     """Return the parts of the server that a request came to."""
     context: Context = connection.app.state.context
     return context
+
+
+def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """Return what a route says of the problems that it answers with, for OpenAPI.
+
+    Examples
+    --------
+    >>> problems(401, 404)[404]["model"].__name__
+    'Problem'
+    """
+    return {status: {"model": Problem} for status in statuses}
 
 
 def _parts(request: Request) -> Context:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal, NamedTuple
 
 from palms.advice import View
@@ -193,7 +194,7 @@ class Narrator:
         return self._spoken(saying, now_s), saying
 
     def resume(self, same_frame: bool, now_s: float) -> tuple[Narrator, Saying]:
-        """Say that it goes on; in a new frame the search begins anew."""
+        """Say that it goes on; in a new frame a scan is wanted, and the place is told anew."""
         saying = self._saying("resume", self.voice.texts.say("resume" if same_frame else "restart"))
         now = self if same_frame else replace(self, told="searching", since_m=None, key=None)
         return now._spoken(saying, now_s), saying
@@ -221,7 +222,7 @@ class Narrator:
             return False
         return self.moment.walked_m - self.sure_m >= SURE_M
 
-    @property
+    @cached_property
     def _placed(self) -> Placed:
         return self.voice.placed(self.moment, self._is_sure)
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, File, Form, HTTPException, Query, Response, UploadFile
 
 from palms.errors import InputError
 from palms.server import messages
 from palms.server.catalogue import UnknownBuilding
-from palms.server.context import Context, Operator, Parts, Visitor
+from palms.server.context import Context, Operator, Parts, Visitor, problems
 from palms.server.workshop import Upload, read_level_texts
 
 __all__ = ["found_building", "router", "upload_of"]
@@ -25,10 +25,7 @@ Format = Annotated[str, Form(max_length=40, description="The file's format; foun
 Options = Annotated[
     list[str], Form(max_length=20, description="Options of its reader, as name=value")
 ]
-VISITED: dict[int | str, dict[str, Any]] = {
-    401: {"model": messages.Problem},
-    404: {"model": messages.Problem},
-}
+VISITED = problems(401, 404)
 LevelQuery = Annotated[str | None, Query(max_length=200, description="The lowest if left out")]
 RoomsOf = Annotated[str | None, Query(max_length=200, description="All levels if left out")]
 
@@ -41,7 +38,7 @@ def found_building(context: Context, building: str) -> messages.Building:
         raise HTTPException(404, str(error)) from None
 
 
-@router.get("", dependencies=[Operator], responses={401: {"model": messages.Problem}})
+@router.get("", dependencies=[Operator], responses=problems(401))
 async def list_buildings(context: Parts) -> messages.BuildingList:
     """List all buildings."""
     return messages.BuildingList(buildings=context.catalogue.all())
@@ -96,7 +93,7 @@ async def upload_of(file: UploadFile, format: str = "", options: list[str] | Non
     "",
     status_code=201,
     dependencies=[Operator],
-    responses={401: {"model": messages.Problem}, 422: {"model": messages.Problem}},
+    responses=problems(401, 422),
 )
 async def add_building(
     context: Parts,
@@ -119,10 +116,7 @@ async def add_building(
     "/{building}/levels",
     status_code=201,
     dependencies=[Operator],
-    responses={
-        401: {"model": messages.Problem}, 404: {"model": messages.Problem},
-        422: {"model": messages.Problem},
-    },
+    responses=problems(401, 404, 422),
 )  # fmt: skip
 async def add_level(  # noqa: PLR0913, PLR0917 - one for each field of the form
     context: Parts,
@@ -151,10 +145,7 @@ async def add_level(  # noqa: PLR0913, PLR0917 - one for each field of the form
     "/{building}",
     status_code=204,
     dependencies=[Operator],
-    responses={
-        401: {"model": messages.Problem}, 404: {"model": messages.Problem},
-        409: {"model": messages.Problem},
-    },
+    responses=problems(401, 404, 409),
 )  # fmt: skip
 async def delete_building(context: Parts, building: str) -> None:
     """Delete a building for good; its sessions and recordings must have gone before."""

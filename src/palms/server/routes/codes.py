@@ -7,7 +7,7 @@ import io
 from fastapi import APIRouter, Response
 
 from palms.server import messages
-from palms.server.context import Operator
+from palms.server.context import Operator, problems
 
 __all__ = ["router"]
 
@@ -18,10 +18,7 @@ BORDER = 4  # as the standard has it: light modules around a code
 @router.post(
     "",
     dependencies=[Operator],
-    responses={
-        200: {"content": {"image/svg+xml": {}}}, 401: {"model": messages.Problem},
-        422: {"model": messages.Problem},
-    },
+    responses={200: {"content": {"image/svg+xml": {}}}, **problems(401, 422)},
     response_class=Response,
 )  # fmt: skip
 async def draw_code(wanted: messages.CodeRequest) -> Response:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Body, Header, HTTPException, Response
 
 from palms.server import messages
-from palms.server.context import Context, Linked, Operator, Parts
+from palms.server.context import Context, Linked, Operator, Parts, problems
 from palms.server.push import readings_of
 from palms.server.recordings import (
     dataset_zip,
@@ -23,8 +23,7 @@ from palms.server.store import Levels, SessionRow
 __all__ = ["router"]
 
 router = APIRouter(prefix="/api/v1", tags=["sessions"])
-DENIED: dict[int | str, dict[str, Any]] = {401: {"model": messages.Problem}}
-MISSING: dict[int | str, dict[str, Any]] = {**DENIED, 404: {"model": messages.Problem}}
+DENIED, MISSING = problems(401), problems(401, 404)
 
 
 @router.get("/sessions", dependencies=[Operator], responses=DENIED)
@@ -162,8 +161,7 @@ async def delete_recording(context: Parts, recording: str) -> None:
 
 @router.post(
     "/push/{session}",
-    responses={404: {"model": messages.Problem}, 422: {"model": messages.Problem},
-               503: {"model": messages.Problem}},
+    responses=problems(404, 422, 503),
 )  # fmt: skip
 async def push_readings(
     context: Parts,

@@ -9,7 +9,7 @@ from palms.building import Stairs
 from palms.errors import InputError
 from palms.server import messages
 from palms.server.catalogue import UnknownBuilding
-from palms.server.context import Operator, Parts
+from palms.server.context import Operator, Parts, problems
 from palms.server.simulating import Drawn, simulated
 
 __all__ = ["router"]
@@ -20,10 +20,7 @@ router = APIRouter(prefix="/api/v1/simulations", tags=["simulations"])
 @router.post(
     "",
     dependencies=[Operator],
-    responses={
-        401: {"model": messages.Problem}, 404: {"model": messages.Problem},
-        422: {"model": messages.Problem},
-    },
+    responses=problems(401, 404, 422),
 )  # fmt: skip
 async def simulate_walk(context: Parts, wanted: messages.SimulationRequest) -> messages.Simulation:
     """Simulate what a phone would send on a walk: a scan at its start, and odometry."""

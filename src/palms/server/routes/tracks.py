@@ -8,7 +8,7 @@ from fastapi import APIRouter, Depends, File, Form, HTTPException, Request, Uplo
 
 from palms.server import messages
 from palms.server.catalogue import UnknownBuilding
-from palms.server.context import Parts, check_visitor
+from palms.server.context import Parts, check_visitor, problems
 from palms.server.floor import ALL
 from palms.server.routes.buildings import Format, found_building, upload_of
 from palms.server.workshop import read_scan_message, run_track
@@ -19,9 +19,7 @@ router = APIRouter(prefix="/api/v1", tags=["tracks"])
 Method = Literal["palms", "paper", "authors", "uniform", "uniform-ori", "no-scan"]
 
 
-ANSWERS: dict[int | str, dict[str, Any]] = {
-    status: {"model": messages.Problem} for status in (401, 404, 422)
-}
+ANSWERS = problems(401, 404, 422)
 Building = Annotated[str, Form(max_length=100)]
 
 
