@@ -14,6 +14,7 @@ from benchmarks.goals import lines
 from benchmarks.goals.figures import Trials
 from benchmarks.goals.lines import Find, Line
 from benchmarks.page import put
+from benchmarks.simulated.events import read_series
 from benchmarks.simulated.studies import MANY, Happenings, Nuisances
 from palms.errors import PalmsError
 from palms.evaluation.tables import markdown_table
@@ -105,10 +106,9 @@ def _results(folder: Path | None) -> Trials:
 
 
 def _series(folder: Path) -> Trials:
-    """Return the trials with what happened along them, which results.json leaves out."""
     if not (folder / "results.json").exists():
         raise FileNotFoundError(folder)
-    return [json.loads(line) for line in read_text(folder / "trials.jsonl").splitlines()]
+    return read_series(folder)
 
 
 if __name__ == "__main__":

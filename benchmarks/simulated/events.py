@@ -16,6 +16,7 @@ from benchmarks.simulated.studies import Happenings, Run
 from benchmarks.simulated.tables import made_on
 from palms.evaluation.bootstrap import bootstrap_difference, bootstrap_interval
 from palms.evaluation.tables import HEADLINE, by_method, markdown_table, table_rows, units_of
+from palms.io.files import read_text
 
 BY_M = 25.0  # issue: a second scan after 20 m; declared rightly by 25 m
 WITHIN_M = 30.0  # issue: found again within 30 m of walking
@@ -56,11 +57,15 @@ def _commands(plan: Happenings) -> str:
     return "\n".join(["```sh", *commands, "```"])
 
 
-def _with_series(run: Run, work: Path) -> list[Trial]:
+def read_series(folder: Path) -> list[Trial]:
     """Return the trials with what happened along them, which results.json leaves out."""
-    lines = (work / run.out / "trials.jsonl").read_text().splitlines()
+    return [json.loads(line) for line in read_text(folder / "trials.jsonl").splitlines()]
+
+
+def _with_series(run: Run, work: Path) -> list[Trial]:
+    """Return the trials of a run with their series, in the order of its methods."""
     rank = {method: k for k, method in enumerate(run.methods)}
-    found = [json.loads(line) for line in lines]
+    found = read_series(work / run.out)
     return sorted(found, key=lambda t: (rank[t["method"]], t["scene"], t["walk"]))
 
 
