@@ -10,6 +10,8 @@ from palms.cli._inputs import Input, make_settings, read_case
 from palms.cli._pictures import tell_story
 from palms.cli.track import follow
 from palms.io import read_walk
+from tests.cli.conftest import DRIFT, STEPS, write_walk
+from tests.worlds import walk
 
 LISTS = {
     "t_s", "x_m", "y_m", "heading_rad", "drift_rad", "stage", "p_within_1m", "p_within_2m",
@@ -260,3 +262,16 @@ def test_say_prints_the_sentences_with_their_times(palms, world):
     times = [float(line.split()[0]) for line in lines]
     assert all(b - a >= 5 for a, b in pairwise(times))
     assert "Scan taken" in lines[0]
+
+
+def test_a_jump_of_the_odometry_is_noted(palms, own_world):
+    at = walk(STEPS, DRIFT).position_m.copy()
+    at[6:] += (12.0, 5.0)
+    write_walk(own_world.walk, ARKit_raw_2D=(-at).tolist())
+    ours = palms("track", own_world.plan, own_world.scan, own_world.walk)
+    assert ours.stderr == (
+        "palms: note: the walk's odometry jumps by 13.2 m at 3.9 s, faster than anybody walks; "
+        "that was taken for an error of the tracking\n"
+    )
+    theirs = palms("track", own_world.plan, own_world.scan, own_world.walk, "--method", "paper")
+    assert theirs.stderr == ""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -36,6 +37,7 @@ from palms.cli._outputs import (
     table,
     write_result,
 )
+from palms.errors import PalmsWarning
 
 if TYPE_CHECKING:
     from palms.cli._inputs import Case
@@ -124,6 +126,7 @@ def track(
     if case.advice is not None:
         say(advised(case.advice))
     tell(tracks, case, say)
+    note_jumps(case, settings)
     if spoken:
         read_out(case, settings, seed, say)
     write_result(document(tracks, case, settings), json)
@@ -187,6 +190,22 @@ def tell(tracks: list[Track], case: Case, say: Speaker) -> None:
         say(typer.style(first, bold=True))
         if second:
             say(f"  {second}")
+
+
+def note_jumps(case: Case, settings: Settings) -> None:
+    """Note which moves the method took for none of the phone's."""
+    from palms.jumps import jumps_of
+
+    found = jumps_of(case.odometry, settings.jump) if settings.is_ours else []
+    if found:
+        longest = max(found, key=lambda move: move.length_m)
+        also = f" and {len(found) - 1} more" if len(found) > 1 else ""
+        warnings.warn(
+            f"the walk's odometry jumps by {longest.length_m:.1f} m at {longest.time_s:.1f} s"
+            f"{also}, faster than anybody walks; that was taken for an error of the tracking",
+            PalmsWarning,
+            stacklevel=2,
+        )
 
 
 def draw(folder: Path, story: Story, case: Case, say: Speaker) -> None:

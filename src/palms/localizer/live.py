@@ -17,6 +17,7 @@ from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
 from palms.heatmap import Candidates, find_candidates, match, scan_drifts
 from palms.hints import Hint
+from palms.jumps import Pace, jumped
 from palms.levels import climbed, on_levels
 from palms.odometry import Move
 from palms.orientation import candidate_drifts, principal_orientation, smallest_alignment
@@ -44,7 +45,7 @@ CLEAR_M = 1.0  # ours: so far from stairs nobody stands on them
 
 Watcher = Callable[[Estimate, Belief, MoveInfo], None]
 _START = 0  # key of the start; step i has key i + 1
-_SEARCH, _SCAN, _ADAPT, _HINT, _CLIMB, _FRAME = range(21, 27)  # purposes of random numbers
+_SEARCH, _SCAN, _ADAPT, _HINT, _CLIMB, _FRAME, _JUMP = range(21, 28)  # purposes of random numbers
 
 
 def locate(
@@ -131,6 +132,7 @@ class Localizer:
         self._arrived = False  # on a level that was told, and not off its stairs since
         self._new_frame: float | None = None  # since it, no scan; its nats of doubt for places
         self._since_search_m = math.inf
+        self._pace = Pace()
         self._begin_anywhere()
 
     def observe(self, scan: Scan, at_m: FloatArray | None = None) -> Estimate:
@@ -270,7 +272,9 @@ class Localizer:
         self._step += 1
         if move.duration_s is None:
             move = move._replace(duration_s=move.time_s - self.estimate.time_s)
-        if move.length_m > self.settings.answer.heading_move_m:
+        before, self._pace = self._pace, self._pace.after(move, self.settings.jump)
+        jumps = self.settings.is_ours and self._pace.jumps
+        if not jumps and move.length_m > self.settings.answer.heading_move_m:
             self._heading = float(np.arctan2(move.dy_m, move.dx_m))
         if self.belief is None:
             self.estimate = Estimate(move.time_s)
@@ -280,7 +284,12 @@ class Localizer:
             self.belief.particles, move, self.raster, self._conditions.motion, key,
             self.settings.resampling,
         )  # fmt: skip
-        if self.settings.is_ours:
+        if jumps:
+            self.belief = jumped(
+                self.belief, (particles, info), move.duration_s or 0.0, before,
+                self._conditions, key.child(_JUMP),
+            )  # fmt: skip
+        elif self.settings.is_ours:
             if self.atlas is not None:
                 particles = self._climbed(particles, move, self.atlas, key.child(_CLIMB))
             self.belief = self._weigh(particles, move, info, key)

@@ -18,6 +18,7 @@ from palms.settings.groups import (
 )
 from palms.settings.ours import (
     DeclarationSettings,
+    JumpSettings,
     LevelSettings,
     ObservationSettings,
     ResamplingSettings,
@@ -32,6 +33,7 @@ __all__ = [
     "CandidateSettings",
     "ConvergenceSettings",
     "DeclarationSettings",
+    "JumpSettings",
     "LevelSettings",
     "Limits",
     "MotionSettings",

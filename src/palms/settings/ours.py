@@ -7,7 +7,14 @@ from typing import Literal
 
 from palms.settings.checks import check
 
-__all__ = ["DeclarationSettings", "LevelSettings", "ObservationSettings", "ResamplingSettings"]
+__all__ = [
+    "DeclarationSettings",
+    "JumpSettings",
+    "LevelSettings",
+    "ObservationSettings",
+    "ResamplingSettings",
+    "RestartSettings",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -304,4 +311,37 @@ class RestartSettings:
             speed_m_s=(self.speed_m_s >= 0, "0 m/s or more", self.speed_m_s),
             leg_s=(self.leg_s > 0, "above 0 s", self.leg_s),
             keep_s=(self.keep_s > 0, "above 0 s", self.keep_s),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class JumpSettings:
+    """When a move is a jump of the odometry and not of the phone, and what it leaves unknown.
+
+    Parameters
+    ----------
+    speed_m_s : float
+        Nobody moves faster than this for long (ours; who runs for a train does 4).
+    slack_m : float
+        But for so many metres, since times are recorded unevenly (ours).
+    real_share : float
+        Probability that the phone did move so (ours).
+    turned_share, turn_rad : float
+        Probability that a jump turns the frame, too, and how far, standard deviation (ours).
+    """
+
+    speed_m_s: float = 4.0
+    slack_m: float = 1.0
+    real_share: float = 0.1
+    turned_share: float = 0.5
+    turn_rad: float = 0.2
+
+    def __post_init__(self) -> None:
+        check(
+            "jump",
+            speed_m_s=(self.speed_m_s > 0, "above 0 m/s", self.speed_m_s),
+            slack_m=(self.slack_m >= 0, "0 m or more", self.slack_m),
+            real_share=(0 <= self.real_share < 1, "0 to below 1", self.real_share),
+            turned_share=(0 <= self.turned_share <= 1, "0 to 1", self.turned_share),
+            turn_rad=(0 <= self.turn_rad <= 3.2, "0 to 3.2 rad", self.turn_rad),
         )

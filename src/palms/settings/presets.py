@@ -17,6 +17,7 @@ from palms.settings.groups import (
 )
 from palms.settings.ours import (
     DeclarationSettings,
+    JumpSettings,
     LevelSettings,
     ObservationSettings,
     ResamplingSettings,
@@ -81,6 +82,7 @@ class Settings:
     declaration: DeclarationSettings = _DECLARATION
     levels: LevelSettings = field(default_factory=LevelSettings)
     restart: RestartSettings = field(default_factory=RestartSettings)
+    jump: JumpSettings = field(default_factory=JumpSettings)
     inertial: MotionSettings = _INERTIAL
 
     @classmethod
