@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -156,3 +158,6 @@ def test_only_what_is_local_is_drawn_in():
     assert whole.p_within_2m == drawn_in.p_within_2m == pytest.approx(0.9)
     assert (whole.radius_68_m, drawn_in.radius_68_m) == pytest.approx((1.5, 0.9))
     assert whole.radius_95_m == drawn_in.radius_95_m == pytest.approx(30.0)
+    core = summarize(belief, 0.0, None, AnswerSettings(local_spread=0.6, core_spread=0.5))
+    assert replace(core, radius_68_m=drawn_in.radius_68_m) == drawn_in
+    assert core.radius_68_m == pytest.approx(0.75)

@@ -324,12 +324,12 @@ def summarize(
     settings = settings or AnswerSettings()
     drift, sure = belief.drift_rad, 1 - belief.doubt
     heading = None if heading_odom_rad is None else float(wrap_angle(heading_odom_rad + drift))
-    local = settings.local_spread
+    local, core = settings.local_spread, min(settings.core_spread, settings.local_spread)
     (near, nearly), (radius_68, radius_95) = belief.nearness(1.0 / local, 2.0)
     return Estimate(
         time_s, belief.stage, belief.answer_m, heading, drift,
         sure * near, sure * nearly,
-        gathered_m(radius_68, local), gathered_m(radius_95, local),
+        gathered_m(radius_68, core), gathered_m(radius_95, local),
         hypotheses(belief, settings.hypotheses, settings.hypothesis_radius_m),
     )  # fmt: skip
 

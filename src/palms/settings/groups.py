@@ -357,14 +357,18 @@ class AnswerSettings:
         Shorter moves give no heading (ours).
     local_spread : float
         So much of the belief's spread within 2 m of the answer counts in `p_within_1m` and in
-        the radii: it is mostly the width of a corridor, of which walkers keep to the middle
+        `radius_95_m`: it is mostly the width of a corridor, of which walkers keep to the middle
         (1: paper; 0.6: ours, fitted).
+    core_spread : float
+        The same for `radius_68_m`, if it is less: errors gather more, and reach farther, than
+        the belief does (1: paper; 0.5: ours, fitted).
     """
 
     hypotheses: int = 5
     hypothesis_radius_m: float = 2.0
     heading_move_m: float = 0.05
     local_spread: float = 1.0
+    core_spread: float = 1.0
 
     def __post_init__(self) -> None:
         check(
@@ -375,4 +379,5 @@ class AnswerSettings:
             ),
             heading_move_m=(self.heading_move_m >= 0, "0 m or more", self.heading_move_m),
             local_spread=(0.5 <= self.local_spread <= 1, "0.5 to 1", self.local_spread),
+            core_spread=(0.3 <= self.core_spread <= 1, "0.3 to 1", self.core_spread),
         )  # fmt: skip

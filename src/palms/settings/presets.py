@@ -30,7 +30,7 @@ METHODS = ("palms", "paper", "authors", "uniform", "uniform-ori", "no-scan")
 
 
 _START = StartSettings(source="posterior", n_particles=30_000)
-_ANSWER = AnswerSettings(local_spread=0.6)
+_ANSWER = AnswerSettings(local_spread=0.6, core_spread=0.5)
 _RESAMPLING = ResamplingSettings("adaptive")
 _DECLARATION = DeclarationSettings("probability")
 _VIO = MotionSettings(
