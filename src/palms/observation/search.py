@@ -17,7 +17,7 @@ from palms.geometry import FloatArray
 from palms.grid import Grid
 from palms.heatmap import Candidates
 from palms.observation.points import ScanPoints, scan_points
-from palms.observation.sight import Blurred, Field, blurred
+from palms.observation.sight import Blurred, Field, blurred, coarseness
 from palms.orientation import likely_drifts
 from palms.raster import PlanRaster
 from palms.scan import Scan
@@ -84,7 +84,7 @@ class Likelihoods:
 
     @cached_property
     def _fields(self) -> Blurred:
-        return blurred(self.raster, self.settings, _coarseness(self.raster.grid, self.settings))
+        return blurred(self.raster, self.settings, coarseness(self.raster.grid, self.settings))
 
     @property
     def _half(self) -> int:
@@ -175,14 +175,6 @@ def search(
         log_weight - math.log(np.exp(log_weight).sum()),
         drift_step_rad=settings.drift_step_rad, n_poses=int(inside.sum()) * n_drifts,
     )  # fmt: skip
-
-
-def _coarseness(grid: Grid, settings: ObservationSettings) -> int:
-    """Cells of the raster along a side of a cell of the search."""
-    k = max(1, round(settings.cell_size_m / grid.cell_size_m))
-    while grid.size / k**2 > settings.max_cells:
-        k += 1
-    return k
 
 
 def _any(mask: npt.NDArray[np.bool_], shape: tuple[int, int]) -> npt.NDArray[np.bool_]:
