@@ -13,7 +13,7 @@ import scipy.fft
 
 from palms._compiled import observation as loops
 from palms._compiled import select
-from palms.geometry import FloatArray
+from palms.geometry import FloatArray, as_readonly
 from palms.grid import Grid
 from palms.heatmap import Candidates
 from palms.observation.points import ScanPoints, scan_points
@@ -70,8 +70,13 @@ class Likelihoods:
         (rows, columns), shape = self.grid.shape, self._shape
         support, metres = self._spectra
         walls, empty = self._splats(k)
-        product = np.conj(_turned(walls, shape)) * support
-        product -= self.settings.search_empty_nats_per_m * np.conj(_turned(empty, shape)) * metres
+        product, against = _turned(walls, shape), _turned(empty, shape)
+        for each in (product, against):  # in place throughout: plans may be large
+            np.conjugate(each, out=each)
+        product *= support
+        np.multiply(self.settings.search_empty_nats_per_m, against, out=against)
+        against *= metres
+        product -= against
         turned = scipy.fft.ifft(product, axis=0, overwrite_x=True)[:rows]
         return np.ascontiguousarray(scipy.fft.irfft(turned, n=shape[1], axis=1)[:, :columns])
 
@@ -107,7 +112,7 @@ class Likelihoods:
         points, side = self._points, 2 * self._half + 1
         walls, empty = (np.zeros((side, side), np.float32) for _ in range(2))
         drift, cell = float(self.drifts_rad[k]), self.grid.cell_size_m
-        area = np.full(len(points.empty_m), points.empty_m2)
+        area = as_readonly(np.full(len(points.empty_m), points.empty_m2))  # as the metres
         loops.splat(points.wall_m, points.wall_weight_m, drift, cell, walls)
         loops.splat(points.empty_m, area, drift, cell, empty)
         return walls, empty

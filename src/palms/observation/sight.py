@@ -23,6 +23,7 @@ OF_CLASS = {  # ours: what a wall of a class may explain, and what it counts in 
     SegmentClass.GLASS: (0.5, 0.2),  # seldom seen
 }
 
+ROWS = 32  # ours: as many stay in a processor's cache, and need little memory
 FAR = 9.5  # standard deviations from a wall where it explains nothing, to the last bit
 
 Field = npt.NDArray[np.float32]
@@ -174,10 +175,12 @@ def _fields(raster: PlanRaster, blurs: set[Blur]) -> tuple[dict[Blur, Field], Fi
 
 
 def _explain(support: Field, away_m: FloatArray, explains: float, sd: float, rare: float) -> None:
-    """Raise the support, in place, near walls that explain so much."""
-    at = away_m < FAR * sd
-    near = explains * (1 - rare) * np.exp(-0.5 * (away_m[at] / sd) ** 2) + rare
-    support[at] = np.maximum(support[at], np.log(near / rare))
+    """Raise the support, in place, near walls that explain so much; some rows at a time."""
+    for row in range(0, len(support), ROWS):
+        some, away = support[row : row + ROWS], away_m[row : row + ROWS]
+        at = away < FAR * sd
+        near = explains * (1 - rare) * np.exp(-0.5 * (away[at] / sd) ** 2) + rare
+        some[at] = np.maximum(some[at], np.log(near / rare))
 
 
 def _of_class(raster: PlanRaster, kind: SegmentClass) -> tuple[Field, FloatArray]:
