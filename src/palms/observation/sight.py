@@ -23,7 +23,6 @@ OF_CLASS = {  # ours: what a wall of a class may explain, and what it counts in 
     SegmentClass.GLASS: (0.5, 0.2),  # seldom seen
 }
 
-ROWS = 32  # ours: as many stay in a processor's cache, and need little memory
 FAR = 9.5  # standard deviations from a wall where it explains nothing, to the last bit
 
 Field = npt.NDArray[np.float32]
@@ -156,42 +155,43 @@ def _frame(grid: Grid) -> FloatArray:
 
 def _fields(raster: PlanRaster, blurs: set[Blur]) -> tuple[dict[Blur, Field], Field]:
     """Support, cell by cell, for each standard deviation and share; and metres."""
-    support = {blur: np.zeros(raster.grid.shape, np.float32) for blur in blurs}
-    counted = np.zeros(raster.grid.shape, np.float32)
+    grid = raster.grid
+    support = {blur: np.zeros(grid.shape, np.float32) for blur in blurs}
+    counted, here = np.zeros(grid.shape, np.float32), np.empty(grid.shape, np.float32)
     for kind, (explains, counts) in OF_CLASS.items():
         if not len(raster.plan.of_class(kind)):
             continue
-        metres, away_m = _of_class(raster, kind)
-        for sd, rare in blurs:
-            _explain(support[sd, rare], away_m, explains, sd, rare)
+        metres, squared = _of_class(raster, kind)
+        for (sd, rare), most in support.items():
+            by_distance = _explained(explains, sd, rare, grid.cell_size_m)
+            np.maximum(most, by_distance.take(squared, mode="clip", out=here), out=most)
         np.minimum(metres, math.sqrt(2), out=metres)
         metres *= counts
-        metres /= raster.grid.cell_size_m
+        metres /= grid.cell_size_m
         counted += metres
-        del metres, away_m  # plans may be large
+        del metres, squared  # plans may be large
     for field in (*support.values(), counted):
         field.setflags(write=False)
     return support, counted
 
 
-def _explain(support: Field, away_m: FloatArray, explains: float, sd: float, rare: float) -> None:
-    """Raise the support, in place, near walls that explain so much; some rows at a time."""
-    for row in range(0, len(support), ROWS):
-        some, away = support[row : row + ROWS], away_m[row : row + ROWS]
-        at = away < FAR * sd
-        near = explains * (1 - rare) * np.exp(-0.5 * (away[at] / sd) ** 2) + rare
-        some[at] = np.maximum(some[at], np.log(near / rare))
+def _explained(explains: float, sd: float, rare: float, cell_m: float) -> Field:
+    """Support (D,) so many cells, squared, from a wall that explains so much; the last is 0."""
+    cells = np.arange(math.ceil((FAR * sd / cell_m) ** 2) + 1)
+    near = explains * (1 - rare) * np.exp(-0.5 * (np.sqrt(cells) * cell_m / sd) ** 2) + rare
+    near[-1] = rare
+    return np.log(near / rare).astype(np.float32)
 
 
-def _of_class(raster: PlanRaster, kind: SegmentClass) -> tuple[Field, FloatArray]:
-    """Cells' worth of wall of a class in each cell, and how far each cell lies from any."""
+def _of_class(raster: PlanRaster, kind: SegmentClass) -> tuple[Field, npt.NDArray[np.int32]]:
+    """Cells' worth of wall of a class in each cell; squared distance from any, in cells."""
     grid = raster.grid
     metres = np.zeros(grid.shape, np.float32)
     flat = np.ascontiguousarray((raster.plan.of_class(kind) - grid.origin_m).reshape(-1, 4))
     cells.add_lengths(flat, np.ones(len(flat)), grid.cell_size_m, True, metres)
-    away_m = away_cells(metres <= 0)
-    away_m *= grid.cell_size_m
-    return metres, away_m
+    away = away_cells(metres <= 0)
+    np.square(away, out=away)
+    return metres, np.rint(away, out=away).astype(np.int32)
 
 
 def _walls(raster: PlanRaster, metres: Field) -> tuple[npt.NDArray[np.int32], int]:
