@@ -137,7 +137,7 @@ def _smoothed(values: FloatArray, sd: float) -> FloatArray:
     reach = int(4 * sd + 0.5)
     share = np.exp(-0.5 / sd**2 * np.arange(-reach, reach + 1) ** 2)
     share /= share.sum()
-    smooth = values * share[reach]
+    smooth: FloatArray = values * share[reach]
     for k in range(reach, 0, -1):
         smooth += (np.roll(values, k) + np.roll(values, -k)) * share[reach - k]
     return smooth

@@ -160,7 +160,8 @@ try:
     main()
 finally:
     from palms._compiled import observation as loops
-    several = [name for name, each in vars(loops).items() if len(getattr(each, "signatures", ())) > 1]
+    found = vars(loops).items()
+    several = [name for name, each in found if len(getattr(each, "signatures", ())) > 1]
     print(*sys.modules, "kinds:", *several)
 """
     done = subprocess.run(

@@ -171,7 +171,9 @@ def follow(case: Case, settings: Settings, seeds: range) -> list[Track]:
         announcing(lambda text: typer.echo(text, err=True)),
         progress(len(seeds), "Following the walk") as advance,
     ):
-        for each in palms.track_trials(case.ground, case.told, case.odometry, settings, seeds, jobs):
+        for each in palms.track_trials(
+            case.ground, case.told, case.odometry, settings, seeds, jobs
+        ):
             found.append(each)
             advance()
     return found
