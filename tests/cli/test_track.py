@@ -5,12 +5,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from palms import Settings, advice, raster
+from palms import Settings
 from palms.cli._inputs import Input, make_settings, read_case
 from palms.cli._pictures import tell_story
 from palms.cli.track import follow
 from palms.io import read_walk
-from palms.localizer import live
 
 LISTS = {
     "t_s", "x_m", "y_m", "heading_rad", "drift_rad", "stage", "p_within_1m", "p_within_2m",
@@ -261,18 +260,3 @@ def test_say_prints_the_sentences_with_their_times(palms, world):
     times = [float(line.split()[0]) for line in lines]
     assert all(b - a >= 5 for a, b in pairwise(times))
     assert "Scan taken" in lines[0]
-
-
-def test_cells_and_advice_are_made_once(palms, world, monkeypatch):
-    made = []
-
-    def counted(module, name):
-        original = getattr(module, name)
-        monkeypatch.setattr(module, name, lambda *a: made.append(name) or original(*a))
-
-    for module in (raster, live):
-        counted(module, "rasterize")
-    counted(advice, "advise")
-    result = palms("track", world.plan, world.scan, world.walk, "--trials", 2, "--json", "-")
-    assert result.exit_code == 0, result.output
-    assert sorted(made) == ["advise", "rasterize"]
