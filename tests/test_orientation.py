@@ -2,9 +2,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.ndimage import gaussian_filter1d
 
 from palms.geometry import rotate, wrap_angle
-from palms.orientation import candidate_drifts, principal_orientation, smallest_alignment
+from palms.orientation import (
+    _smoothed,
+    candidate_drifts,
+    principal_orientation,
+    smallest_alignment,
+)
 from tests.worlds import L_ROOM, two_rooms
 
 QUARTER = np.pi / 2
@@ -44,3 +50,10 @@ def test_the_four_drifts_are_quarter_turns_apart():
     assert wrap_angle(np.diff(drifts)) == pytest.approx(QUARTER)
     assert (np.abs(drifts) <= np.pi).all()
     assert len(candidate_drifts(0.0, 72)) == 72
+
+
+@pytest.mark.parametrize(("n", "sd"), [(90, 2.0), (30, 0.6), (17, 3.3)])
+def test_values_around_a_circle_are_blurred_as_by_a_library(n, sd):
+    values = np.random.default_rng(n).random(n)
+    expected = gaussian_filter1d(values, sd, mode="wrap")
+    np.testing.assert_allclose(_smoothed(values, sd), expected, rtol=1e-13)

@@ -62,6 +62,19 @@ def test_against_a_slow_twin(seed):
     assert got == expected
 
 
+@pytest.mark.parametrize("shape", [(1900, 12), (12, 1900)])
+def test_places_far_apart_along_either_axis(shape):
+    rng = np.random.default_rng(7)
+    cells = rng.integers(0, shape, (2000, 2))
+    cells = np.unique(cells, axis=0)
+    weight = rng.random(len(cells))
+    found = candidates(
+        cells, rng.permutation(len(cells)), rng.integers(0, 2, len(cells)), weight / weight.sum()
+    )
+    got = sorted((round(p.x_m, 3), round(p.y_m, 3), round(p.p, 9)) for p in find_places(found, 1.0))
+    assert got == slow_places(found, 1.0)
+
+
 def slow_places(found, separation):
     shares = np.exp(found.log_weight)
     result = []

@@ -2,11 +2,13 @@ import dataclasses
 
 import numpy as np
 import pytest
+from scipy.ndimage import distance_transform_edt
 
+import palms.raster as raster_module
 from palms.floorplan import FloorPlan, SegmentClass
-from palms.observation import blurred, see
+from palms.observation import blurred, see, sight
 from palms.raster import rasterize
-from palms.settings import ObservationSettings
+from palms.settings import ObservationSettings, RasterSettings
 from tests.worlds import two_rooms
 
 RASTER = rasterize(two_rooms())
@@ -42,3 +44,29 @@ def test_a_wall_counts_as_its_class_says(kind, supports, costs):
     )
     crossing = sight.metres[row - 5 : row + 6, column - 2 : column + 3].sum(axis=1)
     np.testing.assert_allclose(crossing * raster.grid.cell_size_m, costs, rtol=0.02)
+
+
+@pytest.mark.parametrize("cell_size_m", [0.1, 0.23])
+def test_support_falls_with_the_distance_from_a_wall(cell_size_m):
+    raster = rasterize(two_rooms(), RasterSettings(cell_size_m=cell_size_m))
+    away_m = cell_size_m * distance_transform_edt(see(raster, OURS).metres == 0)
+    for field, sd, rare in (
+        (see(raster, OURS), OURS.wall_sd_m, OURS.unexplained_share),
+        (blurred(raster, OURS), OURS.search_sd_m, OURS.search_share),
+    ):
+        likely = (1 - rare) * np.exp(-0.5 * (away_m / sd) ** 2) + rare
+        np.testing.assert_allclose(field.support, np.log(likely / rare), rtol=1e-6, atol=1e-15)
+
+
+def test_all_that_a_scan_is_looked_up_in_is_made_at_once(monkeypatch):
+    measured = []
+    monkeypatch.setattr(
+        sight, "away_cells", lambda mask: measured.append(mask) or raster_module.away_cells(mask)
+    )
+    raster = rasterize(two_rooms(), RasterSettings(cell_size_m=0.1))
+    coarse = sight.coarseness(raster.grid, OURS)
+    assert coarse == 2
+    poses, maps, cells = see(raster, OURS), blurred(raster, OURS, coarse), blurred(raster, OURS)
+    assert len(measured) == 1  # a plan of one class of walls
+    assert poses.metres is cells.metres
+    assert maps.grid.shape == tuple(-(-n // 2) for n in raster.grid.shape)

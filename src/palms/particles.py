@@ -206,12 +206,13 @@ def start_everywhere(
     drifts_rad : array_like (K,), optional
         Equal groups with these drifts (Uniform + Ori). Left out: any drift (Uniform).
     """
-    cells = np.argwhere(raster.inside).astype(np.int32)
-    index = resample_systematic(np.full(len(cells), 1 / len(cells)), n, key.child(_PLACE))
+    inside = np.flatnonzero(raster.inside)
+    index = resample_systematic(np.full(len(inside), 1 / len(inside)), n, key.child(_PLACE))
+    cells = np.stack(np.unravel_index(inside[index], raster.inside.shape), axis=1)
     position, drift = np.empty((n, 2)), np.empty(n)
     loops.place(
-        cells, np.zeros(len(cells)), index, raster.grid.cell_size_m, raster.grid.origin_m,
-        key.child(_PLACE, 1).word, position, drift,
+        cells.astype(np.int32), np.zeros(n), np.arange(n), raster.grid.cell_size_m,
+        raster.grid.origin_m, key.child(_PLACE, 1).word, position, drift,
     )  # fmt: skip
     label = np.zeros(n, np.int32)
     if drifts_rad is None:

@@ -113,15 +113,24 @@ def find_places(
 
 
 def _peaks(position: FloatArray, separation_m: float) -> tuple[list[int], npt.NDArray[np.int64]]:
-    """Peaks among points (N, D) in order of score, and each point's peak."""
+    """Peaks among points (N, D) in order of score, and each point's peak.
+
+    Each peak looks at the points of a strip around it, across the longer side of them all.
+    """
     nearest = np.full(len(position), np.inf)
     owner = np.zeros(len(position), np.int64)
     peaks: list[int] = []
-    while True:
-        i = int(np.isinf(nearest).argmax())
-        if not np.isinf(nearest[i]):
-            return peaks, owner
-        away = np.linalg.norm(position[i:] - position[i], axis=1)
-        mine = np.flatnonzero((away <= separation_m) & (away < nearest[i:])) + i
-        nearest[mine], owner[mine] = away[mine - i], len(peaks)
+    along = position[:, np.ptp(position[:, :2], axis=0).argmax()]
+    order = np.argsort(along)
+    reach = separation_m * (1 + 1e-6)
+    first, last = (np.searchsorted(along[order], along + side) for side in (-reach, reach))
+    for i in range(len(position)):
+        if nearest[i] < np.inf:
+            continue
+        near = order[first[i] : last[i]]
+        near = near[near >= i]
+        away = np.linalg.norm(position[near] - position[i], axis=1)
+        mine = (away <= separation_m) & (away < nearest[near])
+        nearest[near[mine]], owner[near[mine]] = away[mine], len(peaks)
         peaks.append(i)
+    return peaks, owner

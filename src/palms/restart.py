@@ -12,7 +12,6 @@ from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
-from scipy import ndimage
 
 from palms._compiled import filter as loops
 from palms.belief import Belief
@@ -194,6 +193,8 @@ def _phone_m(sighting: Sighting) -> FloatArray:
 
 def _times_even(particles: Particles, position_m: FloatArray, raster: PlanRaster) -> FloatArray:
     """How much denser a belief lies at places (P, 2) than if it were even in the building."""
+    from scipy import ndimage
+
     left, right, bottom, top = raster.grid.extent_m()
     grid = Grid.covering((left, bottom), (right, top), DENSITY_M)
     share = np.zeros(grid.shape)

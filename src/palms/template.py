@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import ndimage
 
 from palms._compiled import raster as cells
 from palms.errors import InputError
@@ -86,6 +85,8 @@ def recorded_walls(
     walls_m: FloatArray, grid: Grid, settings: TemplateSettings
 ) -> npt.NDArray[np.float32]:
     """RW of paper III-B: the observed walls (N, 2, 2), smoothed, on a grid around (0, 0)."""
+    from scipy import ndimage
+
     flat = np.ascontiguousarray((walls_m - grid.origin_m).reshape(-1, 4))
     density = np.zeros(grid.shape, np.float32)
     cells.add_lengths(flat, np.ones(len(flat)), grid.cell_size_m, True, density)
@@ -103,6 +104,8 @@ def certainly_empty(
     walls_m: FloatArray, grid: Grid, settings: TemplateSettings
 ) -> npt.NDArray[np.float32]:
     """CES of paper III-B: 1 where no wall can be, on a grid around (0, 0)."""
+    from scipy import ndimage
+
     triangles = empty_triangles(walls_m, settings.empty_shrink)
     empty = np.zeros(grid.shape, np.uint8)
     corners = np.ascontiguousarray((triangles - grid.origin_m).reshape(-1, 6))

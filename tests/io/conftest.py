@@ -11,7 +11,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from palms.io.registry import FLOORPLANS, formats
+from palms.io.registry import FLOORPLANS, _plugins
 
 PLANE = {
     "index": 0,
@@ -97,7 +97,7 @@ def install(monkeypatch):
             value = f"{module.__name__}:{name}" if reader is not None else "no.such.module:x"
             entries.append(importlib.metadata.EntryPoint(name, value, FLOORPLANS))
         monkeypatch.setattr(importlib.metadata, "entry_points", lambda group: entries)
-        formats.cache_clear()
+        _plugins.cache_clear()
 
     yield install_readers
-    formats.cache_clear()
+    _plugins.cache_clear()

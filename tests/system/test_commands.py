@@ -152,6 +152,31 @@ def test_help_is_light():
     assert not {"numpy", "numba", "scipy", "matplotlib", "pydantic", "shapely"} & set(loaded)
 
 
+def test_following_loads_only_what_it_needs():
+    code = """
+import sys
+from palms.cli import main
+try:
+    main()
+finally:
+    from palms._compiled import observation as loops
+    found = vars(loops).items()
+    several = [name for name, each in found if len(getattr(each, "signatures", ())) > 1]
+    print(*sys.modules, "kinds:", *several)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code, "track", PLAN, SCAN, WALK, "--json", os.devnull],
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    modules, _, several = done.stdout.splitlines()[-1].partition("kinds:")
+    loaded = set(modules.split())
+    assert {"numba", "scipy.fft"} <= loaded
+    others = {"PIL", "matplotlib", "rich", "scipy.ndimage", "scipy.sparse", "scipy.spatial"}
+    readers = {"palms.io.plan_geojson", "palms.io.plan_osm", "palms.io.android"}
+    assert not (others | readers) & loaded
+    assert not several.split()  # no loop is loaded for two kinds of the same array
+
+
 def test_help_is_quick():
     def seconds():
         start = children_s()

@@ -9,6 +9,8 @@ import _thread
 import os
 import sys
 
+from palms.cli._garbage import collect_rarely
+
 __all__ = ["main"]
 
 
@@ -30,6 +32,7 @@ def main() -> None:
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     sys.unraisablehook = _again  # the compiler's callbacks swallow what is raised in them
+    collect_rarely()
     try:
         from palms.cli.app import app
 

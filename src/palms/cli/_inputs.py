@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from palms.localizer import Happening
     from palms.odometry import Odometry
     from palms.posterior import Posterior
+    from palms.raster import PlanRaster
     from palms.scan import Scan
     from palms.settings import Settings
 
@@ -85,8 +86,12 @@ class Case:
         Where there are several levels; `plan` is the lowest.
     hints : tuple of Hint
         What is said of where it starts.
+    raster : PlanRaster, optional
+        The plan in cells, once it is made; where there are several levels the building has it.
     found : Candidates, Posterior or None
         Where the scan may have been taken, once that has been asked.
+    advice : Advice, optional
+        How much the scan tells, once it has been searched for.
     """
 
     plan: FloorPlan
@@ -98,19 +103,14 @@ class Case:
     walk_name: str
     building: Building | None = None
     hints: tuple[Hint, ...] = ()
+    raster: PlanRaster | None = None
     found: Candidates | Posterior | None = None
+    advice: Advice | None = None
 
     @property
-    def advice(self) -> Advice | None:
-        """How much the scan tells, once it has been searched for."""
-        from palms.advice import advise
-
-        return None if self.found is None else advise(self.scan, self.found)
-
-    @property
-    def ground(self) -> FloorPlan | Building:
+    def ground(self) -> FloorPlan | PlanRaster | Building:
         """What it is looked for in."""
-        return self.plan if self.building is None else self.building
+        return self.building or self.raster or self.plan
 
     @property
     def told(self) -> tuple[Happening, ...]:

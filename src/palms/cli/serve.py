@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from palms.cli._garbage import collect_as_usual
 from palms.errors import InputError, PalmsError
 
 if TYPE_CHECKING:
@@ -107,8 +108,11 @@ def _warm_up() -> None:
     from palms.cli._compiling import announcing
     from palms.server.running import warm_up
 
-    with announcing(_note):
-        warm_up()
+    try:
+        with announcing(_note):
+            warm_up()
+    finally:
+        collect_as_usual()
 
 
 def _note(text: str) -> None:

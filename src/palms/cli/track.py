@@ -121,7 +121,7 @@ def track(
     check_file(json)
     check_folder(out)
     say = speaker(json)
-    case = located(case, settings)
+    case = prepared(case, settings)
     tracks = follow(case, settings, range(seed, seed + trials))
     if case.advice is not None:
         say(advised(case.advice))
@@ -138,22 +138,27 @@ def track(
         draw(out, tell_story(case, settings, seed), case, say)
 
 
-def located(case: Case, settings: Settings) -> Case:
-    """Return a case whose scan has been searched for, so that nobody does it again."""
+def prepared(case: Case, settings: Settings) -> Case:
+    """Return a case whose plan is in cells and whose scan was searched for, once for all."""
     import palms
+    from palms.advice import advise
     from palms.cli._compiling import announcing
 
-    if not settings.start.by_scan:
-        return case
     with announcing(lambda text: typer.echo(text, err=True)):
-        return replace(case, found=palms.locate(case.ground, case.scan, settings))
+        if case.building is None:
+            case = replace(case, raster=palms.rasterize(case.plan, settings.raster))
+        if not settings.start.by_scan:
+            return case
+        found = palms.locate(case.ground, case.scan, settings)
+    return replace(case, found=found, advice=advise(case.scan, found))
 
 
 def read_out(case: Case, settings: Settings, seed: int, say: Speaker) -> None:
     """Say the sentences that the voice has for the first trial."""
     from palms.voice.recorded import narrate
 
-    for _, time_s, saying in narrate(case.ground, case.told, case.odometry, settings, seed):
+    plan = case.building or case.plan
+    for _, time_s, saying in narrate(plan, case.told, case.odometry, settings, seed):
         details = "" if saying.details is None else f" ({saying.details})"
         say(f"{time_s:6.1f} s  {saying.text}{details}")
 
@@ -163,14 +168,15 @@ def follow(case: Case, settings: Settings, seeds: range) -> list[Track]:
     import palms
     from palms.cli._compiling import announcing
 
-    where = case.building or palms.rasterize(case.plan, settings.raster)
     jobs = min(len(seeds), os.cpu_count() or 1)
     found = []
     with (
         announcing(lambda text: typer.echo(text, err=True)),
         progress(len(seeds), "Following the walk") as advance,
     ):
-        for each in palms.track_trials(where, case.told, case.odometry, settings, seeds, jobs):
+        for each in palms.track_trials(
+            case.ground, case.told, case.odometry, settings, seeds, jobs
+        ):
             found.append(each)
             advance()
     return found

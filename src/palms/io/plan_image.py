@@ -22,7 +22,6 @@ from palms.io.plan_parts import PlanParts
 from palms.io.plan_scale import Points, metres_per_unit
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief
-from palms.io.vectorize import remove_specks, remove_thin, typical_thickness, walls_of
 
 __all__ = ["FORMAT", "dark_of", "load_grey", "plan_of_mask", "read_plan_image", "walls_only"]
 
@@ -176,6 +175,8 @@ def _check_magic(content: bytes, path: StrPath) -> None:
 
 def walls_only(dark: Mask, factor: int, min_stroke: float | None, text_size: float | None) -> Mask:
     """Take thin strokes and letters away."""
+    from palms.io.vectorize import remove_specks, remove_thin, typical_thickness
+
     typical = typical_thickness(dark)
     automatic = typical / 2 if typical >= _THICK_PX else 0.0
     dark = remove_thin(dark, automatic if min_stroke is None else min_stroke / factor)
@@ -192,6 +193,7 @@ def plan_of_mask(dark: Mask, cell_m: float, min_wall_m: float, path: StrPath) ->
         When there is no wall in it, or its size is none of a building.
     """
     from palms.io.plan_csv import plan_name
+    from palms.io.vectorize import walls_of
 
     walls = walls_of(dark, max(min_wall_m / cell_m, 3.0))
     if not len(walls):

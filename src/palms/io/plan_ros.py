@@ -18,7 +18,6 @@ from palms.io.plan_image import load_grey
 from palms.io.plan_parts import PlanParts, check_scale
 from palms.io.registry import Format
 from palms.io.values import StrPath, brief, parse_number
-from palms.io.vectorize import remove_specks, walls_of
 
 __all__ = ["FORMAT", "RosMap", "parse_map", "read_plan_ros", "write_plan_ros"]
 
@@ -107,6 +106,8 @@ def read_plan_ros(path: StrPath, *, min_wall: float = 0.3) -> FloorPlan:
     InputError
         When file or picture cannot be read, or no cell is occupied.
     """
+    from palms.io.vectorize import remove_specks, walls_of
+
     found = parse_map(read_text(path, _EXPECTED), str(path))
     picture = _picture(path, found.image)
     content = read_bytes(picture)

@@ -13,8 +13,9 @@ import importlib
 import importlib.metadata
 import os
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -144,7 +145,20 @@ def _load_plugin(entry: importlib.metadata.EntryPoint) -> Any:  # noqa: ANN401
     return None
 
 
+def _ours(group: str) -> Iterator[Any]:
+    """Return our readers, each loaded when its turn comes: a common file needs the first alone."""
+    return map(_load, BUILT_IN.get(group, ()))
+
+
 @functools.cache
+def _plugins(group: str) -> tuple[Any, ...]:
+    """Readers of other packages."""
+    ours = BUILT_IN.get(group, ())
+    entries = importlib.metadata.entry_points(group=group)
+    found = (_load_plugin(entry) for entry in entries if entry.value not in ours)
+    return tuple(reader for reader in found if reader is not None)
+
+
 def formats(group: str) -> tuple[Any, ...]:
     """Return the readers of a group: ours first, then those of other packages.
 
@@ -160,12 +174,7 @@ def formats(group: str) -> tuple[Any, ...]:
     >>> "csv" in [reader.name for reader in formats(FLOORPLANS)]
     True
     """
-    ours = BUILT_IN.get(group, ())
-    found = [_load(reference) for reference in ours]
-    for entry in importlib.metadata.entry_points(group=group):
-        if entry.value not in ours and (reader := _load_plugin(entry)) is not None:
-            found.append(reader)
-    return tuple(found)
+    return (*_ours(group), *_plugins(group))
 
 
 def _recognizes(reader: Any, path: Path) -> bool:  # noqa: ANN401
@@ -182,6 +191,20 @@ def _recognizes(reader: Any, path: Path) -> bool:  # noqa: ANN401
 
 def _has_suffix(reader: Any, path: Path) -> bool:  # noqa: ANN401
     return path.name.lower().endswith(tuple(reader.suffixes))
+
+
+def _fitting(group: str, path: Path) -> Any:  # noqa: ANN401
+    """Return the first reader that knows content and suffix, else content, else suffix."""
+    knowing = [reader for reader in _plugins(group) if _recognizes(reader, path)]
+    fitting = []
+    for reader in _ours(group):
+        if _recognizes(reader, path):
+            if _has_suffix(reader, path):
+                return reader
+            fitting.append(reader)
+    fitting += knowing
+    by_suffix = [reader for reader in fitting or formats(group) if _has_suffix(reader, path)]
+    return next(iter(by_suffix or fitting), None)
 
 
 def _listed(readers: Sequence[Any]) -> str:
@@ -211,12 +234,11 @@ def choose_format(group: str, path: StrPath, name: str | None = None) -> Any:  #
     Traceback (most recent call last):
     palms.errors.InputError: format of .: expected one of csv..., got 'dwg'
     """
-    readers = formats(group)
     if name is not None:
-        for reader in readers:
+        for reader in chain(_ours(group), _plugins(group)):
             if reader.name == name:
                 return reader
-        known = ", ".join(reader.name for reader in readers)
+        known = ", ".join(reader.name for reader in formats(group))
         raise InputError(f"format of {path}", expected=f"one of {known}", got=repr(name))
     place = Path(path)
     if "\x00" in str(path) or not os.path.exists(path):
@@ -226,13 +248,12 @@ def choose_format(group: str, path: StrPath, name: str | None = None) -> Any:  #
             got="nothing there",
             fix="check the name and the folder",
         )
-    fitting = [reader for reader in readers if _recognizes(reader, place)]
-    by_suffix = [reader for reader in fitting or readers if _has_suffix(reader, place)]
-    if by_suffix or fitting:
-        return (by_suffix or fitting)[0]
+    reader = _fitting(group, place)
+    if reader is not None:
+        return reader
     got = "a folder" if place.is_dir() else sniff(head(place)) if head(place) else "an empty file"
     raise InputError(
-        str(path), expected=f"a {WHAT[group]} as {_listed(readers)}", got=got,
+        str(path), expected=f"a {WHAT[group]} as {_listed(formats(group))}", got=got,
         fix="convert it, or name its format; palms formats tells more",
     )  # fmt: skip
 

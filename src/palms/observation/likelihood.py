@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from palms._compiled import observation as loops
-from palms.geometry import FloatArray
+from palms.geometry import FloatArray, as_readonly
 from palms.observation.points import ScanPoints
 from palms.observation.sight import blurred, see
 from palms.raster import PlanRaster
@@ -104,8 +104,8 @@ def rough_nats(
     loops.lookup(
         *place, points.wall_m, points.wall_weight_m, field.support, field.frame, walls
     )  # fmt: skip
-    some = np.ascontiguousarray(points.empty_m[::EVERY])
-    area = np.full(len(some), EVERY * points.empty_m2)
+    some = as_readonly(points.empty_m[::EVERY])  # as the walls' points: one loop serves both
+    area = as_readonly(np.full(len(some), EVERY * points.empty_m2))
     loops.lookup(*place, some, area, field.metres, field.frame, empty)
     return np.asarray(walls - settings.search_empty_nats_per_m * empty)
 

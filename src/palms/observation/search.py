@@ -13,11 +13,11 @@ import scipy.fft
 
 from palms._compiled import observation as loops
 from palms._compiled import select
-from palms.geometry import FloatArray
+from palms.geometry import FloatArray, as_readonly
 from palms.grid import Grid
 from palms.heatmap import Candidates
 from palms.observation.points import ScanPoints, scan_points
-from palms.observation.sight import Blurred, Field, blurred
+from palms.observation.sight import Blurred, Field, blurred, coarseness
 from palms.orientation import likely_drifts
 from palms.raster import PlanRaster
 from palms.scan import Scan
@@ -70,8 +70,13 @@ class Likelihoods:
         (rows, columns), shape = self.grid.shape, self._shape
         support, metres = self._spectra
         walls, empty = self._splats(k)
-        product = np.conj(_turned(walls, shape)) * support
-        product -= self.settings.search_empty_nats_per_m * np.conj(_turned(empty, shape)) * metres
+        product, against = _turned(walls, shape), _turned(empty, shape)
+        for each in (product, against):  # in place throughout: plans may be large
+            np.conjugate(each, out=each)
+        product *= support
+        np.multiply(self.settings.search_empty_nats_per_m, against, out=against)
+        against *= metres
+        product -= against
         turned = scipy.fft.ifft(product, axis=0, overwrite_x=True)[:rows]
         return np.ascontiguousarray(scipy.fft.irfft(turned, n=shape[1], axis=1)[:, :columns])
 
@@ -84,7 +89,7 @@ class Likelihoods:
 
     @cached_property
     def _fields(self) -> Blurred:
-        return blurred(self.raster, self.settings, _coarseness(self.raster.grid, self.settings))
+        return blurred(self.raster, self.settings, coarseness(self.raster.grid, self.settings))
 
     @property
     def _half(self) -> int:
@@ -107,7 +112,7 @@ class Likelihoods:
         points, side = self._points, 2 * self._half + 1
         walls, empty = (np.zeros((side, side), np.float32) for _ in range(2))
         drift, cell = float(self.drifts_rad[k]), self.grid.cell_size_m
-        area = np.full(len(points.empty_m), points.empty_m2)
+        area = as_readonly(np.full(len(points.empty_m), points.empty_m2))  # as the metres
         loops.splat(points.wall_m, points.wall_weight_m, drift, cell, walls)
         loops.splat(points.empty_m, area, drift, cell, empty)
         return walls, empty
@@ -175,14 +180,6 @@ def search(
         log_weight - math.log(np.exp(log_weight).sum()),
         drift_step_rad=settings.drift_step_rad, n_poses=int(inside.sum()) * n_drifts,
     )  # fmt: skip
-
-
-def _coarseness(grid: Grid, settings: ObservationSettings) -> int:
-    """Cells of the raster along a side of a cell of the search."""
-    k = max(1, round(settings.cell_size_m / grid.cell_size_m))
-    while grid.size / k**2 > settings.max_cells:
-        k += 1
-    return k
 
 
 def _any(mask: npt.NDArray[np.bool_], shape: tuple[int, int]) -> npt.NDArray[np.bool_]:

@@ -15,7 +15,7 @@ from palms.grid import Grid
 from palms.raster import PlanRaster, away_cells
 from palms.settings import ObservationSettings
 
-__all__ = ["Blurred", "Field", "Sight", "blurred", "see"]
+__all__ = ["Blurred", "Field", "Sight", "blurred", "coarseness", "see"]
 
 OF_CLASS = {  # ours: what a wall of a class may explain, and what it counts in empty space
     SegmentClass.WALL: (1.0, 1.0),
@@ -26,6 +26,7 @@ OF_CLASS = {  # ours: what a wall of a class may explain, and what it counts in 
 FAR = 9.5  # standard deviations from a wall where it explains nothing, to the last bit
 
 Field = npt.NDArray[np.float32]
+Blur = tuple[float, float]  # standard deviation of walls in metres, and what they do not explain
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,11 +87,9 @@ def see(raster: PlanRaster, settings: ObservationSettings) -> Sight:
     raster : PlanRaster
     settings : ObservationSettings
     """
-    key = ("sight", settings.wall_sd_m, settings.unexplained_share)
+    key = _sight_key(settings)
     if key not in raster.sights:
-        support, metres = _fields(raster, settings.wall_sd_m, settings.unexplained_share)
-        wall, n_walls = _walls(raster, metres)
-        raster.sights[key] = Sight(raster.grid, support, metres, wall, n_walls)
+        _make(raster, settings, coarseness(raster.grid, settings))
     sight: Sight = raster.sights[key]
     return sight
 
@@ -106,53 +105,93 @@ def blurred(raster: PlanRaster, settings: ObservationSettings, coarse: int = 1) 
         Cells of the raster along a side of a cell. The walls are then blurred by half a cell
         more, since the true place lies anywhere within it.
     """
-    key = ("blurred", settings.search_sd_m, settings.search_share, coarse)
+    key = _blurred_key(settings, coarse)
     if key not in raster.sights:
-        cell = raster.grid.cell_size_m
-        sd = settings.search_sd_m if coarse == 1 else math.hypot(
-            settings.search_sd_m, 0.5 * coarse * cell
-        )  # fmt: skip
-        support, metres = _fields(raster, sd, settings.search_share)
-        shape = (-(-raster.grid.shape[0] // coarse), -(-raster.grid.shape[1] // coarse))
-        grid = Grid(raster.grid.origin_m, coarse * cell, shape)
-        raster.sights[key] = Blurred(grid, _means(support, coarse), _means(metres, coarse))
+        _make(raster, settings, coarse if coarse > 1 else coarseness(raster.grid, settings))
     field: Blurred = raster.sights[key]
     return field
+
+
+def coarseness(grid: Grid, settings: ObservationSettings) -> int:
+    """Return how many cells of the raster lie along a side of a cell of the search."""
+    k = max(1, round(settings.cell_size_m / grid.cell_size_m))
+    while grid.size / k**2 > settings.max_cells:
+        k += 1
+    return k
+
+
+def _sight_key(settings: ObservationSettings) -> tuple[str | float, ...]:
+    return ("sight", settings.wall_sd_m, settings.unexplained_share)
+
+
+def _blurred_key(settings: ObservationSettings, coarse: int) -> tuple[str | float, ...]:
+    return ("blurred", settings.search_sd_m, settings.search_share, coarse)
+
+
+def _make(raster: PlanRaster, settings: ObservationSettings, coarse: int) -> None:
+    """Keep all that a scan is looked up in, once: it shares how far cells lie from walls."""
+    grid, sd = raster.grid, settings.search_sd_m
+    wide = sd if coarse == 1 else math.hypot(sd, 0.5 * coarse * grid.cell_size_m)
+    of_poses = (settings.wall_sd_m, settings.unexplained_share)
+    of_cells, of_maps = (sd, settings.search_share), (wide, settings.search_share)
+    supports, metres = _fields(raster, {of_poses, of_cells, of_maps})
+    wall, n_walls = _walls(raster, metres)
+    shape = (-(-grid.shape[0] // coarse), -(-grid.shape[1] // coarse))
+    made: dict[tuple[str | float, ...], Sight | Blurred] = {
+        _sight_key(settings): Sight(grid, supports[of_poses], metres, wall, n_walls),
+        _blurred_key(settings, 1): Blurred(grid, supports[of_cells], metres),
+        _blurred_key(settings, coarse): Blurred(
+            Grid(grid.origin_m, coarse * grid.cell_size_m, shape),
+            _means(supports[of_maps], coarse), _means(metres, coarse),
+        ),
+    }  # fmt: skip
+    for key, each in made.items():
+        raster.sights.setdefault(key, each)
 
 
 def _frame(grid: Grid) -> FloatArray:
     return np.array([*grid.origin_m, 1 / grid.cell_size_m])
 
 
-def _fields(raster: PlanRaster, sd: float, rare: float) -> tuple[Field, Field]:
-    """Support and metres, cell by cell."""
-    support, counted = (np.zeros(raster.grid.shape, np.float32) for _ in range(2))
+def _fields(raster: PlanRaster, blurs: set[Blur]) -> tuple[dict[Blur, Field], Field]:
+    """Support, cell by cell, for each standard deviation and share; and metres."""
+    grid = raster.grid
+    support = {blur: np.zeros(grid.shape, np.float32) for blur in blurs}
+    counted, here = np.zeros(grid.shape, np.float32), np.empty(grid.shape, np.float32)
     for kind, (explains, counts) in OF_CLASS.items():
         if not len(raster.plan.of_class(kind)):
             continue
-        metres, away_m = _of_class(raster, kind)
-        at = away_m < FAR * sd
-        near = explains * (1 - rare) * np.exp(-0.5 * (away_m[at] / sd) ** 2) + rare
-        support[at] = np.maximum(support[at], np.log(near / rare))
+        metres, squared = _of_class(raster, kind)
+        for (sd, rare), most in support.items():
+            by_distance = _explained(explains, sd, rare, grid.cell_size_m)
+            np.maximum(most, by_distance.take(squared, mode="clip", out=here), out=most)
         np.minimum(metres, math.sqrt(2), out=metres)
         metres *= counts
-        metres /= raster.grid.cell_size_m
+        metres /= grid.cell_size_m
         counted += metres
-        del metres, away_m, at, near  # plans may be large
-    support.setflags(write=False)
-    counted.setflags(write=False)
+        del metres, squared  # plans may be large
+    for field in (*support.values(), counted):
+        field.setflags(write=False)
     return support, counted
 
 
-def _of_class(raster: PlanRaster, kind: SegmentClass) -> tuple[Field, FloatArray]:
-    """Cells' worth of wall of a class in each cell, and how far each cell lies from any."""
+def _explained(explains: float, sd: float, rare: float, cell_m: float) -> Field:
+    """Support (D,) so many cells, squared, from a wall that explains so much; the last is 0."""
+    cells = np.arange(math.ceil((FAR * sd / cell_m) ** 2) + 1)
+    near = explains * (1 - rare) * np.exp(-0.5 * (np.sqrt(cells) * cell_m / sd) ** 2) + rare
+    near[-1] = rare
+    return np.log(near / rare).astype(np.float32)
+
+
+def _of_class(raster: PlanRaster, kind: SegmentClass) -> tuple[Field, npt.NDArray[np.int32]]:
+    """Cells' worth of wall of a class in each cell; squared distance from any, in cells."""
     grid = raster.grid
     metres = np.zeros(grid.shape, np.float32)
     flat = np.ascontiguousarray((raster.plan.of_class(kind) - grid.origin_m).reshape(-1, 4))
     cells.add_lengths(flat, np.ones(len(flat)), grid.cell_size_m, True, metres)
-    away_m = away_cells(metres <= 0)
-    away_m *= grid.cell_size_m
-    return metres, away_m
+    away = away_cells(metres <= 0)
+    np.square(away, out=away)
+    return metres, np.rint(away, out=away).astype(np.int32)
 
 
 def _walls(raster: PlanRaster, metres: Field) -> tuple[npt.NDArray[np.int32], int]:
