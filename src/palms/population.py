@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from palms._compiled import filter as loops
 from palms._compiled import observation as counts
+from palms._compiled import weights as by_weight
 from palms.geometry import FloatArray, rotate_each
 from palms.particles import (
     Particles,
@@ -175,7 +176,7 @@ def _by_root(
     root = np.sqrt(weight)
     index = resample_systematic(root, n, key)
     left = root[index]
-    return index, left / loops.moments(left)[0]
+    return index, left / by_weight.moments(left)[0]
 
 
 def _jittered(

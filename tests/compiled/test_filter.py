@@ -4,6 +4,7 @@ import shapely
 from scipy import stats
 
 from palms._compiled import filter as loops
+from palms._compiled import weights as by_weight
 from palms.floorplan import FloorPlan
 from palms.randomness import as_key
 from palms.raster import rasterize
@@ -142,7 +143,7 @@ def test_systematic_resampling_equals_its_twin(seed):
     weights[rng.random(200) < 0.3] = 0
     u = rng.random()
     out = np.empty(333, np.int64)
-    loops.systematic(weights, 333, u, out)
+    by_weight.systematic(weights, 333, u, out)
     assert (out == twins.systematic(weights, 333, u)).all()
     share = 333 * weights / weights.sum()
     assert (np.abs(np.bincount(out, minlength=200) - share) < 1).all()
@@ -189,6 +190,6 @@ def test_sums_over_places_equal_numpys():
 def test_weights_and_their_moments_equal_numpys():
     rng = np.random.default_rng(4)
     weight, factor, out = rng.random(3000), rng.random(3000), np.empty(3000)
-    assert loops.weighed(weight, factor, out) == pytest.approx(float((weight * factor).sum()))
+    assert by_weight.weighed(weight, factor, out) == pytest.approx(float((weight * factor).sum()))
     assert (out == weight * factor).all()
-    assert loops.moments(out) == pytest.approx((out.sum(), (out**2).sum()))
+    assert by_weight.moments(out) == pytest.approx((out.sum(), (out**2).sum()))

@@ -212,6 +212,56 @@ def turn_shares(drift, weight, out):
 
 
 @njit(cache=True, nogil=True)
+def _around(mass, rows, columns, b):
+    """Sum of the masses of a bin and its neighbours; 0 for a bin without any."""
+    if mass[b] <= 0.0:
+        return 0.0
+    r, c = b // columns, b % columns
+    total = 0.0
+    for rr in range(max(0, r - 1), min(rows, r + 2)):
+        for cc in range(max(0, c - 1), min(columns, c + 2)):
+            total += mass[rr * columns + cc]
+    return total
+
+
+@njit(cache=True, nogil=True)
+def _claim(points, weight, bins, at, spot, radius, mass, place):
+    """Give the disc around the mean of what lies around bin `at` to a spot; return its share.
+
+    Their bins lose what leaves. `bins` is what `_binned` returns.
+    """
+    _left, _bottom, rows, columns, start, order = bins
+    x, y, total, share = 0.0, 0.0, 0.0, 0.0
+    r, c = at // columns, at % columns
+    for rr in range(max(0, r - 1), min(rows, r + 2)):
+        first, last = rr * columns + max(0, c - 1), rr * columns + min(columns, c + 2)
+        for k in range(start[first], start[last]):
+            i = order[k]
+            if place[i] < 0:
+                x += weight[i] * points[i, 0]
+                y += weight[i] * points[i, 1]
+                total += weight[i]
+    x /= total
+    y /= total
+    for rr in range(max(0, r - 2), min(rows, r + 3)):
+        for b in range(rr * columns + max(0, c - 2), rr * columns + min(columns, c + 3)):
+            mass[b] = 0.0
+            for k in range(start[b], start[b + 1]):
+                i = order[k]
+                if place[i] >= 0:
+                    continue
+                dx, dy = points[i, 0] - x, points[i, 1] - y
+                if dx * dx + dy * dy <= radius * radius:
+                    place[i] = spot
+                    share += weight[i]
+                else:
+                    mass[b] += weight[i]
+    if share == 0.0:
+        mass[at] = 0.0
+    return share
+
+
+@njit(cache=True, nogil=True)
 def heaviest_places(points, weight, radius, n_places):
     """Up to n_places spots of most weight, greedily: members of a disc leave after each.
 
@@ -219,57 +269,27 @@ def heaviest_places(points, weight, radius, n_places):
     -------
     place (N,) int8: the spot each particle belongs to, or -1; shares (n_places,), 0 when unused.
     """
-    n = points.shape[0]
-    _left, _bottom, rows, columns, start, order = _binned(points, radius)
-    mass = np.zeros(rows * columns)
+    bins = _binned(points, radius)
+    _left, _bottom, rows, columns, start, order = bins
+    mass, near = np.zeros(rows * columns), np.zeros(rows * columns)
+    some, n_some = np.empty(rows * columns, np.int64), 0
     for b in range(rows * columns):
+        some[n_some] = b
+        n_some += start[b] < start[b + 1]
         for k in range(start[b], start[b + 1]):
             mass[b] += weight[order[k]]
-    place = np.full(n, -1, np.int8)
-    shares = np.zeros(n_places)
+    for b in some[:n_some]:
+        near[b] = _around(mass, rows, columns, b)
+    place, shares = np.full(points.shape[0], -1, np.int8), np.zeros(n_places)
     for spot in range(n_places):
         best, at = 0.0, -1
-        for b in range(rows * columns):
-            if mass[b] <= 0.0:
-                continue
-            r, c = b // columns, b % columns
-            total = 0.0
-            for rr in range(max(0, r - 1), min(rows, r + 2)):
-                for cc in range(max(0, c - 1), min(columns, c + 2)):
-                    total += mass[rr * columns + cc]
-            if total > best + 1e-12:
-                best, at = total, b
+        for b in some[:n_some]:
+            if near[b] > best + 1e-12:
+                best, at = near[b], b
         if at < 0:
             break
-        x, y, total = 0.0, 0.0, 0.0
-        r, c = at // columns, at % columns
-        first_r, last_r = max(0, r - 2), min(rows, r + 3)
-        first_c, last_c = max(0, c - 2), min(columns, c + 3)
-        for rr in range(max(0, r - 1), min(rows, r + 2)):
-            for cc in range(max(0, c - 1), min(columns, c + 2)):
-                b = rr * columns + cc
-                for k in range(start[b], start[b + 1]):
-                    i = order[k]
-                    if place[i] < 0:
-                        x += weight[i] * points[i, 0]
-                        y += weight[i] * points[i, 1]
-                        total += weight[i]
-        x /= total
-        y /= total
-        for rr in range(first_r, last_r):
-            for cc in range(first_c, last_c):
-                b = rr * columns + cc
-                mass[b] = 0.0
-                for k in range(start[b], start[b + 1]):
-                    i = order[k]
-                    if place[i] >= 0:
-                        continue
-                    dx, dy = points[i, 0] - x, points[i, 1] - y
-                    if dx * dx + dy * dy <= radius * radius:
-                        place[i] = spot
-                        shares[spot] += weight[i]
-                    else:
-                        mass[b] += weight[i]
-        if shares[spot] == 0.0:
-            mass[at] = 0.0
+        shares[spot] = _claim(points, weight, bins, at, spot, radius, mass, place)
+        for r in range(max(0, at // columns - 3), min(rows, at // columns + 4)):
+            for c in range(max(0, at % columns - 3), min(columns, at % columns + 4)):
+                near[r * columns + c] = _around(mass, rows, columns, r * columns + c)
     return place, shares
