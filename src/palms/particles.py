@@ -112,10 +112,10 @@ class Particles:
         n : int
         """
         sums = self._sums(place, n)
-        drift = wrap_angle(np.arctan2(sums[:, 4], sums[:, 3])).tolist()
         with np.errstate(invalid="ignore"):
             mean = sums[:, 1:3] / sums[:, :1]
-        return list(zip(mean, drift, strict=True))
+        drift = np.arctan2(sums[:, 4], sums[:, 3]).tolist()
+        return [(mean[k], wrap_angle(drift[k])) for k in range(n)]
 
     def drift_agreement(self) -> float:
         """Length of the mean of all drifts as unit vectors: 1 where they agree, 0 all around."""
