@@ -377,8 +377,8 @@ def hypotheses(belief: Belief, n: int = N_SPOTS, radius_m: float = 2.0) -> tuple
         spots = Spots.of(belief.particles, radius_m, n)
         belief = Belief(belief.particles, spots=spots)
     found = [
-        Hypothesis(*mean_m.tolist(), share, drift)
-        for share, (mean_m, drift) in zip(
+        Hypothesis(float(x), float(y), share, drift)
+        for share, ((x, y), drift) in zip(
             spots.shares[:n].tolist(), belief.spot_poses[:n], strict=True
         )
         if share > 0

@@ -60,7 +60,7 @@ class Particles:
     weight : (N,)
         Sum 1.
     drift_rate_rad_per_s : (N,), optional
-        Steady turn of the walk's frame; 0 when left out.
+        Steady turn of the walk's frame; None where it does not turn.
 
     Examples
     --------
@@ -74,13 +74,13 @@ class Particles:
     scale: FloatArray
     label: npt.NDArray[np.int32]
     weight: FloatArray
-    drift_rate_rad_per_s: FloatArray = None  # type: ignore[assignment]
+    drift_rate_rad_per_s: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        if self.drift_rate_rad_per_s is None:
-            object.__setattr__(self, "drift_rate_rad_per_s", np.zeros(len(self.weight)))
         for name, dtype in _FIELDS:
             given = getattr(self, name)
+            if given is None:
+                continue
             array = np.ascontiguousarray(given, dtype)
             array.setflags(write=False)
             if array is not given:
@@ -135,10 +135,17 @@ class Particles:
 
     def take(self, index: npt.NDArray[np.int64], weight: FloatArray) -> Particles:
         """Return some of them, by index (M,), with new weights (M,)."""
+        rate = self.drift_rate_rad_per_s
         return Particles(
             self.position_m[index], self.drift_rad[index], self.scale[index], self.label[index],
-            weight, self.drift_rate_rad_per_s[index],
+            weight, None if rate is None else rate[index],
         )  # fmt: skip
+
+    def turned_rad(self, duration_s: float) -> FloatArray:
+        """Drifts (N,) after some time, by the steady turn alone."""
+        if self.drift_rate_rad_per_s is None:
+            return self.drift_rad
+        return self.drift_rad + duration_s * self.drift_rate_rad_per_s
 
     def label_shares(self) -> FloatArray:
         """Share of the weight that each label holds."""
@@ -274,10 +281,10 @@ def _moved(
     """Return positions and drifts after a move, which hit a wall or left the plan, how many."""
     n = len(particles)
     position, drift, hit = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
-    turned = particles.drift_rad + (move.duration_s or 0.0) * particles.drift_rate_rad_per_s
     n_hit = loops.move(
-        particles.position_m, turned, particles.scale, (move.dx_m, move.dy_m),
-        tuple(noise), key.child(_MOVE).word, raster.walls, position, drift, hit,
+        particles.position_m, particles.turned_rad(move.duration_s or 0.0), particles.scale,
+        (move.dx_m, move.dy_m), tuple(noise), key.child(_MOVE).word, raster.walls,
+        position, drift, hit,
     )  # fmt: skip
     return position, drift, hit, n_hit
 

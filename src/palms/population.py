@@ -112,8 +112,17 @@ def mixed(belief: Particles, others: Particles, share: float) -> Particles:
         np.concatenate([belief.scale, others.scale]),
         np.concatenate([belief.label, others.label]),
         np.concatenate([(1 - share) * belief.weight, share * others.weight]),
-        np.concatenate([belief.drift_rate_rad_per_s, others.drift_rate_rad_per_s]),
+        _rates(belief, others),
     )
+
+
+def _rates(belief: Particles, others: Particles) -> FloatArray | None:
+    """Steady turns of two populations; 0 for one that has none."""
+    rates = [each.drift_rate_rad_per_s for each in (belief, others)]
+    if all(rate is None for rate in rates):
+        return None
+    n = len(belief), len(others)
+    return np.concatenate([np.zeros(n[k]) if r is None else r for k, r in enumerate(rates)])
 
 
 def pushed(found: Posterior, n: int, moved_m: FloatArray, key: RandomKey) -> Particles:
