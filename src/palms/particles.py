@@ -149,7 +149,8 @@ class Particles:
 
     def label_shares(self) -> FloatArray:
         """Share of the weight that each label holds."""
-        return np.asarray(np.bincount(self.label, self.weight), dtype=np.float64)
+        shares: FloatArray = by_weight.by_label(self.label, self.weight)
+        return shares
 
 
 class MoveInfo(NamedTuple):

@@ -193,3 +193,11 @@ def test_weights_and_their_moments_equal_numpys():
     assert by_weight.weighed(weight, factor, out) == pytest.approx(float((weight * factor).sum()))
     assert (out == weight * factor).all()
     assert by_weight.moments(out) == pytest.approx((out.sum(), (out**2).sum()))
+
+
+def test_sums_of_labels_are_numpys():
+    rng = np.random.default_rng(6)
+    label, weight = rng.integers(0, 5, 3000).astype(np.int32), rng.random(3000)
+    for labels in (label, np.sort(label), label[:1]):
+        sums = by_weight.by_label(labels, weight[: len(labels)])
+        assert (sums == np.bincount(labels, weight[: len(labels)])).all()

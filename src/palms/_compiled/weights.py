@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 from numba import njit
 
 
@@ -23,6 +24,24 @@ def moments(weight):
         total += weight[i]
         squares += weight[i] * weight[i]
     return total, squares
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def by_label(label, weight):
+    """Sum of the weights (N,) of each label (N,), from label 0 to the highest."""
+    highest = 0
+    for i in range(label.shape[0]):
+        highest = max(highest, label[i])
+    sums = np.zeros(highest + 1)
+    last, run = 0, 0.0  # labels come in runs: a run's sum need not go through memory
+    for i in range(label.shape[0]):
+        if label[i] != last:
+            sums[last] = run
+            last = label[i]
+            run = sums[last]
+        run += weight[i]
+    sums[last] = run
+    return sums
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
