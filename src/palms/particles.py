@@ -145,7 +145,9 @@ class Particles:
         """Drifts (N,) after some time, by the steady turn alone."""
         if self.drift_rate_rad_per_s is None:
             return self.drift_rad
-        return self.drift_rad + duration_s * self.drift_rate_rad_per_s
+        turned: FloatArray = self.drift_rad + duration_s * self.drift_rate_rad_per_s
+        turned.setflags(write=False)  # one kind of array for the loop that takes it
+        return turned
 
     def label_shares(self) -> FloatArray:
         """Share of the weight that each label holds."""

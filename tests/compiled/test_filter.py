@@ -105,6 +105,20 @@ def test_moves_equal_their_twin():
     assert n == hit.sum() > 0
 
 
+@pytest.mark.parametrize("n", [1, loops.CHUNK - 1, loops.CHUNK, loops.CHUNK + 1, 5000])
+def test_a_move_draws_the_numbers_of_each_particle_whatever_their_number(n):
+    walls = rasterize(two_rooms()).walls
+    position, drift, hit = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
+    start = np.full((n, 2), 5.0)
+    for k, noise in enumerate(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))):
+        loops.move(
+            start, np.zeros(n), np.ones(n), (0.0, 0.0), noise, KEY, walls, position, drift, hit
+        )
+        drawn = (position[:, 0] - 5.0, position[:, 1] - 5.0, drift)[k]
+        assert drawn == pytest.approx(normals(n, 3)[:, k], abs=1e-14)
+    assert (drift == normals(n, 3)[:, 2]).all()  # to the bit, the long way round, too
+
+
 def test_copies_come_from_survivors_and_stay_on_their_side_of_the_wall():
     rng = np.random.default_rng(3)
     raster = rasterize(two_rooms())
