@@ -23,6 +23,7 @@ def test_wrapped_angles_lie_in_the_half_open_circle_and_point_the_same_way(angle
     wrapped = wrap_angle(angle)
     assert -np.pi < wrapped <= np.pi
     assert np.exp(1j * wrapped) == pytest.approx(np.exp(1j * angle), abs=1e-9)
+    assert wrapped == wrap_angle([angle])[0]
 
 
 def test_pi_stays_pi_and_minus_pi_becomes_pi():

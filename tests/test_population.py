@@ -99,3 +99,15 @@ def test_a_mixture_keeps_both_sides():
     one, two = crowd([1.0, 3.0]), crowd([1.0])
     both = mixed(one, two, 0.2)
     assert both.weight == pytest.approx([0.2, 0.6, 0.2])
+
+
+def test_a_frame_that_turns_and_one_that_does_not_mix():
+    still = crowd([1.0, 3.0])
+    turning = dataclasses.replace(still, drift_rate_rad_per_s=np.array([0.1, -0.2]))
+    assert mixed(still, still, 0.5).drift_rate_rad_per_s is None
+    assert mixed(turning, still, 0.5).turned_rad(2.0) == pytest.approx([0.2, -0.4, 0.0, 0.0])
+    assert mixed(still, turning, 0.5).turned_rad(2.0) == pytest.approx([0.0, 0.0, 0.2, -0.4])
+    one = np.array([1]), np.ones(1)
+    assert still.take(*one).drift_rate_rad_per_s is None
+    assert turning.take(*one).turned_rad(1.0).tolist() == [-0.2]
+    assert still.turned_rad(5.0) is still.drift_rad

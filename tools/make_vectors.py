@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from palms._compiled import clusters, raster, select
+from palms._compiled import clusters, raster, select, weights
 from palms._compiled import filter as loops
 from palms.floorplan import FloorPlan
 from palms.raster import rasterize
@@ -53,10 +53,10 @@ def _filter() -> dict[str, dict[str, object]]:
     loops.replace_hits(
         copied, copied_drift, kept_scale, label, hit, np.array([0.1, 0.007]), np.uint64(KEY), walls
     )
-    weights, index = np.array([0.1, 0.0, 0.6, 0.3]), np.empty(6, np.int64)
-    loops.systematic(weights, 6, 0.25, index)
+    weight, index = np.array([0.1, 0.0, 0.6, 0.3]), np.empty(6, np.int64)
+    weights.systematic(weight, 6, 0.25, index)
     sums, place = np.empty((2, 5)), np.array([0, 1, -1, 0], np.int8)
-    loops.gathered(position, drift, weights, place, sums)
+    loops.gathered(position, drift, weight, place, sums)
     given = {
         "position": position.tolist(), "drift": drift.tolist(), "scale": scale.tolist(),
         "step": step, "noise": noise, "key": KEY, "walls": WALLS, "cell_size": 0.1,
@@ -74,11 +74,11 @@ def _filter() -> dict[str, dict[str, object]]:
             },
         },
         "gathered": {
-            "in": {"of": "move", "weights": weights.tolist(), "place": place.tolist()},
+            "in": {"of": "move", "weights": weight.tolist(), "place": place.tolist()},
             "out": sums.tolist(),
         },
         "systematic": {
-            "in": {"weights": weights.tolist(), "n": 6, "u": 0.25}, "out": index.tolist(),
+            "in": {"weights": weight.tolist(), "n": 6, "u": 0.25}, "out": index.tolist(),
         },
     }  # fmt: skip
 

@@ -165,11 +165,12 @@ class Belief:
     def nearness(self, *within_m: float) -> tuple[list[float], tuple[float, float]]:
         """Return the shares within some radii, and `radii_m`; the distances are found once."""
         away, sure = self.away_m, 1 - self.doubt
-        shares = np.array([min(share / sure, 1.0) for share in (0.68, 0.95)])
+        shares = np.array([min(0.68 / sure, 1.0), min(0.95 / sure, 1.0)])
         radii = np.empty(2)
         clusters.weighted_quantiles(away, self.particles.weight, shares, radii)
         near = [self._share(away, radius_m) for radius_m in within_m]
-        return near, (float(radii[0]), float(radii[1]))
+        radius_68, radius_95 = radii.tolist()
+        return near, (radius_68, radius_95)
 
     def _share(self, away_m: FloatArray, radius_m: float) -> float:
         share = float(clusters.weight_within(away_m, self.particles.weight, radius_m))
@@ -202,7 +203,7 @@ def settle(
     withdrawn = settings.withdraw and belief.stage == Stage.LOCALIZED and label != belief.label
     before = replace(belief, stage=Stage.ORIENTED, age=0) if withdrawn else belief
     if before.stage == Stage.SEARCHING and not agreed:
-        return replace(before, particles=particles, age=before.age + 1)
+        return Belief(particles, age=before.age + 1)
     if before.stage == Stage.SEARCHING and settings.divide_particles:
         n_labels = max(1, len(particles.label_shares()))
         particles = thin(particles, max(1, len(particles) // n_labels), key.child(_SETTLE))
@@ -376,8 +377,10 @@ def hypotheses(belief: Belief, n: int = N_SPOTS, radius_m: float = 2.0) -> tuple
         spots = Spots.of(belief.particles, radius_m, n)
         belief = Belief(belief.particles, spots=spots)
     found = [
-        Hypothesis(float(x), float(y), float(share), drift)
-        for share, ((x, y), drift) in zip(spots.shares[:n], belief.spot_poses[:n], strict=True)
+        Hypothesis(float(x), float(y), share, drift)
+        for share, ((x, y), drift) in zip(
+            spots.shares[:n].tolist(), belief.spot_poses[:n], strict=True
+        )
         if share > 0
     ]
     return tuple(sorted(found, key=lambda h: -h.share))

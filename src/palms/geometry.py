@@ -6,6 +6,7 @@ arrays of shape (N, 2, 2): segment, end, coordinate.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -156,6 +157,8 @@ def wrap_angle(angle_rad: npt.ArrayLike) -> Any:  # noqa: ANN401
     >>> float(wrap_angle(3 * np.pi))
     3.141592653589793
     """
+    if isinstance(angle_rad, float):
+        return math.pi - (math.pi - angle_rad) % (2 * math.pi)
     return np.pi - np.mod(np.pi - np.asarray(angle_rad, dtype=np.float64), 2 * np.pi)
 
 

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from palms._compiled import clusters
 from palms._compiled import filter as loops
+from palms._compiled import weights as by_weight
 from palms.errors import InputError
 from palms.geometry import FloatArray, as_readonly, wrap_angle
 from palms.heatmap import Candidates
@@ -35,15 +36,11 @@ __all__ = [
     "with_scales",
 ]
 
-_PLACE, _DRIFT, _MOVE, _COPY, _RESAMPLE, _THIN, _SCALE = (
-    0,
-    1,
-    2,
-    3,
-    4,
-    5,
-    7,
-)  # purposes of random numbers
+_PLACE, _DRIFT, _MOVE, _COPY, _RESAMPLE, _THIN, _SCALE = 0, 1, 2, 3, 4, 5, 7  # of random numbers
+_FIELDS = (
+    ("position_m", np.float64), ("drift_rad", np.float64), ("scale", np.float64),
+    ("label", np.int32), ("weight", np.float64), ("drift_rate_rad_per_s", np.float64),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +60,7 @@ class Particles:
     weight : (N,)
         Sum 1.
     drift_rate_rad_per_s : (N,), optional
-        Steady turn of the walk's frame; 0 when left out.
+        Steady turn of the walk's frame; None where it does not turn.
 
     Examples
     --------
@@ -77,18 +74,17 @@ class Particles:
     scale: FloatArray
     label: npt.NDArray[np.int32]
     weight: FloatArray
-    drift_rate_rad_per_s: FloatArray = None  # type: ignore[assignment]
+    drift_rate_rad_per_s: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        if self.drift_rate_rad_per_s is None:
-            object.__setattr__(self, "drift_rate_rad_per_s", np.zeros(len(self.weight)))
-        for name, dtype in (
-            ("position_m", np.float64), ("drift_rad", np.float64), ("scale", np.float64),
-            ("label", np.int32), ("weight", np.float64), ("drift_rate_rad_per_s", np.float64),
-        ):  # fmt: skip
-            array = np.ascontiguousarray(getattr(self, name), dtype=dtype)
+        for name, dtype in _FIELDS:
+            given = getattr(self, name)
+            if given is None:
+                continue
+            array = np.ascontiguousarray(given, dtype)
             array.setflags(write=False)
-            object.__setattr__(self, name, array)
+            if array is not given:
+                object.__setattr__(self, name, array)
         n = len(self.weight)
         if n == 0 or self.position_m.shape != (n, 2) or len(self.drift_rad) != n:
             raise InputError("particles", expected="as many of each, at least 1", got=str(n))
@@ -102,8 +98,9 @@ class Particles:
 
     def mean_pose(self, members: npt.NDArray[np.bool_] | None = None) -> tuple[FloatArray, float]:
         """Weighted mean position (2,), and drift in (-pi, pi], of all or of some of them."""
-        member = np.ones(len(self), np.bool_) if members is None else members
-        return self.mean_poses(member.astype(np.int8) - 1, 1)[0]
+        if members is None:
+            return self.mean_poses(np.zeros(len(self), np.int8), 1)[0]
+        return self.mean_poses(members.astype(np.int8) - 1, 1)[0]
 
     def mean_poses(self, place: npt.NDArray[np.int8], n: int) -> list[tuple[FloatArray, float]]:
         """Mean pose of the particles of each of n places; NaN where there are none.
@@ -115,10 +112,10 @@ class Particles:
         n : int
         """
         sums = self._sums(place, n)
-        drift = wrap_angle(np.arctan2(sums[:, 4], sums[:, 3]))
         with np.errstate(invalid="ignore"):
             mean = sums[:, 1:3] / sums[:, :1]
-        return [(mean[k], float(drift[k])) for k in range(n)]
+        drift = np.arctan2(sums[:, 4], sums[:, 3]).tolist()
+        return [(mean[k], wrap_angle(drift[k])) for k in range(n)]
 
     def drift_agreement(self) -> float:
         """Length of the mean of all drifts as unit vectors: 1 where they agree, 0 all around."""
@@ -138,14 +135,24 @@ class Particles:
 
     def take(self, index: npt.NDArray[np.int64], weight: FloatArray) -> Particles:
         """Return some of them, by index (M,), with new weights (M,)."""
+        rate = self.drift_rate_rad_per_s
         return Particles(
             self.position_m[index], self.drift_rad[index], self.scale[index], self.label[index],
-            weight, self.drift_rate_rad_per_s[index],
+            weight, None if rate is None else rate[index],
         )  # fmt: skip
+
+    def turned_rad(self, duration_s: float) -> FloatArray:
+        """Drifts (N,) after some time, by the steady turn alone."""
+        if self.drift_rate_rad_per_s is None:
+            return self.drift_rad
+        turned: FloatArray = self.drift_rad + duration_s * self.drift_rate_rad_per_s
+        turned.setflags(write=False)  # one kind of array for the loop that takes it
+        return turned
 
     def label_shares(self) -> FloatArray:
         """Share of the weight that each label holds."""
-        return np.asarray(np.bincount(self.label, self.weight), dtype=np.float64)
+        shares: FloatArray = by_weight.by_label(self.label, self.weight)
+        return shares
 
 
 class MoveInfo(NamedTuple):
@@ -251,12 +258,17 @@ def advance(
     """
     scheme = "survivors" if resampling is None else resampling.scheme
     noise = move_noise(move.length_m, settings, move.duration_s or 0.0)
-    moved, hit = _moved(particles, move, raster, noise, key)
-    n, n_hit = len(hit), int(hit.sum())
+    position, drift, hit, n_hit = _moved(particles, move, raster, noise, key)
+    n, scale, label = len(hit), particles.scale, particles.label
+    if scheme == "survivors" and 0 < n_hit < n:
+        scale, label = scale.copy(), label.copy()
+        spread = np.array([settings.jitter_m, noise.drift_rad])
+        copying = key.child(_COPY).word
+        loops.replace_hits(position, drift, scale, label, hit, spread, copying, raster.walls)
+    moved = Particles(
+        position, drift, scale, label, particles.weight, particles.drift_rate_rad_per_s
+    )
     if scheme == "survivors":
-        if 0 < n_hit < n:
-            spread = np.array([settings.jitter_m, noise.drift_rad])
-            moved = _replaced(moved, hit, spread, raster, key)
         return moved, MoveInfo(n_hit, n - n_hit, effective_sample_size(moved.weight))
     moved, kept = reweight(moved, np.where(hit, settings.hit_weight, 1.0))
     if scheme == "every-step":
@@ -269,32 +281,16 @@ def advance(
 
 def _moved(
     particles: Particles, move: Move, raster: PlanRaster, noise: MoveNoise, key: RandomKey
-) -> tuple[Particles, npt.NDArray[np.bool_]]:
-    """Return the particles after a move, and which hit a wall or left the plan."""
+) -> tuple[FloatArray, FloatArray, npt.NDArray[np.bool_], int]:
+    """Return positions and drifts after a move, which hit a wall or left the plan, how many."""
     n = len(particles)
     position, drift, hit = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
-    turned = particles.drift_rad + (move.duration_s or 0.0) * particles.drift_rate_rad_per_s
-    loops.move(
-        particles.position_m, turned, particles.scale, (move.dx_m, move.dy_m),
-        tuple(noise), key.child(_MOVE).word, raster.walls, position, drift, hit,
+    n_hit = loops.move(
+        particles.position_m, particles.turned_rad(move.duration_s or 0.0), particles.scale,
+        (move.dx_m, move.dy_m), tuple(noise), key.child(_MOVE).word, raster.walls,
+        position, drift, hit,
     )  # fmt: skip
-    return replace(particles, position_m=position, drift_rad=drift), hit
-
-
-def _replaced(
-    particles: Particles,
-    hit: npt.NDArray[np.bool_],
-    spread: FloatArray,
-    raster: PlanRaster,
-    key: RandomKey,
-) -> Particles:
-    """Replace each particle that hit by a copy of a random survivor (paper III-C)."""
-    position, drift = particles.position_m.copy(), particles.drift_rad.copy()
-    scale, label = particles.scale.copy(), particles.label.copy()
-    loops.replace_hits(
-        position, drift, scale, label, hit, spread, key.child(_COPY).word, raster.walls
-    )
-    return replace(particles, position_m=position, drift_rad=drift, scale=scale, label=label)
+    return position, drift, hit, n_hit
 
 
 def reweight(particles: Particles, factor: npt.ArrayLike) -> tuple[Particles, float]:
@@ -311,9 +307,9 @@ def reweight(particles: Particles, factor: npt.ArrayLike) -> tuple[Particles, fl
     ([0.667, 0.333], -0.288)
     """
     weight = np.empty(len(particles))
-    total = loops.weighed(
+    total = by_weight.weighed(
         particles.weight, np.ascontiguousarray(factor, dtype=np.float64), weight
-    )  # fmt: skip
+    )
     if total <= sys.float_info.min:
         return particles, math.log(sys.float_info.min)
     return replace(particles, weight=weight / total), math.log(total)
@@ -328,7 +324,7 @@ def _resample_all(particles: Particles, settings: MotionSettings, key: RandomKey
     weight = particles.weight[index]
     return Particles(
         particles.position_m[index] + settings.jitter_m * offset, particles.drift_rad[index],
-        particles.scale[index], particles.label[index], weight / loops.moments(weight)[0],
+        particles.scale[index], particles.label[index], weight / by_weight.moments(weight)[0],
     )  # fmt: skip
 
 
@@ -351,7 +347,7 @@ def resample_systematic(weights: FloatArray, n: int, key: RandomKey) -> npt.NDAr
     [0, 0, 2, 2]
     """
     out = np.empty(n, np.int64)
-    loops.systematic(np.ascontiguousarray(weights), n, key.uniform(), out)
+    by_weight.systematic(np.ascontiguousarray(weights), n, key.uniform(), out)
     return out
 
 
@@ -381,7 +377,7 @@ def effective_sample_size(weight: FloatArray) -> float:
     >>> effective_sample_size(np.array([0.5, 0.5, 0.0]))
     2.0
     """
-    total, squares = loops.moments(np.ascontiguousarray(weight))
+    total, squares = by_weight.moments(np.ascontiguousarray(weight))
     return float(total**2 / squares)
 
 

@@ -15,6 +15,7 @@ import numpy.typing as npt
 
 from palms._compiled import filter as loops
 from palms._compiled import observation as counts
+from palms._compiled import weights as by_weight
 from palms.geometry import FloatArray, rotate_each
 from palms.particles import (
     Particles,
@@ -111,8 +112,17 @@ def mixed(belief: Particles, others: Particles, share: float) -> Particles:
         np.concatenate([belief.scale, others.scale]),
         np.concatenate([belief.label, others.label]),
         np.concatenate([(1 - share) * belief.weight, share * others.weight]),
-        np.concatenate([belief.drift_rate_rad_per_s, others.drift_rate_rad_per_s]),
+        _rates(belief, others),
     )
+
+
+def _rates(belief: Particles, others: Particles) -> FloatArray | None:
+    """Steady turns of two populations; 0 for one that has none."""
+    rates = [each.drift_rate_rad_per_s for each in (belief, others)]
+    if all(rate is None for rate in rates):
+        return None
+    n = len(belief), len(others)
+    return np.concatenate([np.zeros(n[k]) if r is None else r for k, r in enumerate(rates)])
 
 
 def pushed(found: Posterior, n: int, moved_m: FloatArray, key: RandomKey) -> Particles:
@@ -175,7 +185,7 @@ def _by_root(
     root = np.sqrt(weight)
     index = resample_systematic(root, n, key)
     left = root[index]
-    return index, left / loops.moments(left)[0]
+    return index, left / by_weight.moments(left)[0]
 
 
 def _jittered(

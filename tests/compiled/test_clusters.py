@@ -30,6 +30,17 @@ def test_mean_shift_of_one_place_is_one_cluster():
     assert (member == 0).all()
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_the_nearest_mode_is_found_from_anywhere_and_the_first_of_equals(seed):
+    rng = np.random.default_rng(seed)
+    modes = np.round(rng.uniform(0, 1 + 5 * seed, (1 + 12 * seed, 2)))  # with ties, some twice
+    points = np.concatenate([np.round(rng.uniform(-30, 60, (300, 2))), rng.normal(size=(99, 2))])
+    member, counts = clusters._nearest(points, modes, 1.0)
+    away = ((points[:, None] - modes) ** 2).sum(axis=2)
+    assert (member == away.argmin(axis=1)).all()
+    assert (counts == np.bincount(member, minlength=len(modes))).all()
+
+
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("share", [0.01, 0.5, 0.68, 0.95, 1.0])
 def test_quantiles_of_distance_equal_sorting(seed, share):
@@ -73,6 +84,17 @@ def test_the_heaviest_places_are_disjoint_and_ranked(seed):
         if (place == k).any():
             member = points[place == k]
             assert np.ptp(member, axis=0).max() <= 4.0 + 1e-9
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_heaviest_places_equal_their_twin(seed):
+    points = clouds(seed)
+    weight = np.random.default_rng(seed).random(len(points)) ** 3
+    for n in (1, 5):
+        place, shares = clusters.heaviest_places(points, weight / weight.sum(), 2.0, n)
+        slow_place, slow_shares = twins.heaviest_places(points, weight / weight.sum(), 2.0, n)
+        assert (place == slow_place).all()
+        assert shares == pytest.approx(slow_shares, abs=1e-12)
 
 
 def test_the_variance_about_a_point_is_the_weighted_mean_square():

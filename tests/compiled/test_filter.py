@@ -4,6 +4,7 @@ import shapely
 from scipy import stats
 
 from palms._compiled import filter as loops
+from palms._compiled import weights as by_weight
 from palms.floorplan import FloorPlan
 from palms.randomness import as_key
 from palms.raster import rasterize
@@ -104,6 +105,20 @@ def test_moves_equal_their_twin():
     assert n == hit.sum() > 0
 
 
+@pytest.mark.parametrize("n", [1, loops.CHUNK - 1, loops.CHUNK, loops.CHUNK + 1, 5000])
+def test_a_move_draws_the_numbers_of_each_particle_whatever_their_number(n):
+    walls = rasterize(two_rooms()).walls
+    position, drift, hit = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
+    start = np.full((n, 2), 5.0)
+    for k, noise in enumerate(((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))):
+        loops.move(
+            start, np.zeros(n), np.ones(n), (0.0, 0.0), noise, KEY, walls, position, drift, hit
+        )
+        drawn = (position[:, 0] - 5.0, position[:, 1] - 5.0, drift)[k]
+        assert drawn == pytest.approx(normals(n, 3)[:, k], abs=1e-14)
+    assert (drift == normals(n, 3)[:, 2]).all()  # to the bit, the long way round, too
+
+
 def test_copies_come_from_survivors_and_stay_on_their_side_of_the_wall():
     rng = np.random.default_rng(3)
     raster = rasterize(two_rooms())
@@ -142,7 +157,7 @@ def test_systematic_resampling_equals_its_twin(seed):
     weights[rng.random(200) < 0.3] = 0
     u = rng.random()
     out = np.empty(333, np.int64)
-    loops.systematic(weights, 333, u, out)
+    by_weight.systematic(weights, 333, u, out)
     assert (out == twins.systematic(weights, 333, u)).all()
     share = 333 * weights / weights.sum()
     assert (np.abs(np.bincount(out, minlength=200) - share) < 1).all()
@@ -189,6 +204,14 @@ def test_sums_over_places_equal_numpys():
 def test_weights_and_their_moments_equal_numpys():
     rng = np.random.default_rng(4)
     weight, factor, out = rng.random(3000), rng.random(3000), np.empty(3000)
-    assert loops.weighed(weight, factor, out) == pytest.approx(float((weight * factor).sum()))
+    assert by_weight.weighed(weight, factor, out) == pytest.approx(float((weight * factor).sum()))
     assert (out == weight * factor).all()
-    assert loops.moments(out) == pytest.approx((out.sum(), (out**2).sum()))
+    assert by_weight.moments(out) == pytest.approx((out.sum(), (out**2).sum()))
+
+
+def test_sums_of_labels_are_numpys():
+    rng = np.random.default_rng(6)
+    label, weight = rng.integers(0, 5, 3000).astype(np.int32), rng.random(3000)
+    for labels in (label, np.sort(label), label[:1]):
+        sums = by_weight.by_label(labels, weight[: len(labels)])
+        assert (sums == np.bincount(labels, weight[: len(labels)])).all()

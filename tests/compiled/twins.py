@@ -141,6 +141,26 @@ def mean_shift(points, bandwidth):
     return modes, member, np.bincount(member, minlength=len(modes))
 
 
+def heaviest_places(points, weight, radius, n_places):
+    """Disc after disc, each about the mean of the three by three bins that weigh most."""
+    bins = ((points - points.min(axis=0)) / radius).astype(int)
+    place, shares = np.full(len(points), -1), np.zeros(n_places)
+    for spot in range(n_places):
+        free = place < 0
+        around = [
+            (weight[free & (np.abs(bins - each) <= 1).all(axis=1)].sum(), -each[1], -each[0])
+            for each in np.unique(bins[free], axis=0)
+        ]
+        if not around:
+            break
+        _, row, column = max(around)
+        near = free & (np.abs(bins - (-column, -row)) <= 1).all(axis=1)
+        centre = weight[near] @ points[near] / weight[near].sum()
+        member = free & (((points - centre) ** 2).sum(axis=1) <= radius**2)
+        place[member], shares[spot] = spot, weight[member].sum()
+    return place, shares
+
+
 def weighted_quantile(distance, weight, share):
     order = np.argsort(distance)
     reached = np.cumsum(weight[order]) >= share * weight.sum() * (1 - 1e-12)

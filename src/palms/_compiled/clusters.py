@@ -55,6 +55,80 @@ def _densest_first(density, m, n):
 
 
 @njit(cache=True, nogil=True)
+def _climbed(points, bandwidth, tolerance, max_iterations):
+    """Where searches by mean shift end (M, 2), one from each occupied bin, and points there (M,).
+
+    The points are brought into the order of their bins first: a window is then a few rows.
+    """
+    n = points.shape[0]
+    left, bottom, rows, columns, start, order = _binned(points, bandwidth)
+    px, py = np.empty(n), np.empty(n)
+    for k in range(n):
+        px[k], py[k] = points[order[k], 0], points[order[k], 1]
+    modes, density, m = np.empty((n, 2)), np.empty(n, np.int64), 0
+    for b in range(rows * columns):
+        if start[b] == start[b + 1]:
+            continue
+        x, y = 0.0, 0.0
+        for k in range(start[b], start[b + 1]):
+            x += px[k]
+            y += py[k]
+        x /= start[b + 1] - start[b]
+        y /= start[b + 1] - start[b]
+        count = 0
+        for _ in range(max_iterations):
+            sx, sy, count = 0.0, 0.0, 0
+            r = int(math.floor((y - bottom) / bandwidth))
+            c = int(math.floor((x - left) / bandwidth))
+            low, high = max(0, c - 1), min(columns, c + 2)
+            for rr in range(max(0, r - 1), min(rows, r + 2)):
+                for k in range(start[rr * columns + low], start[rr * columns + high]):
+                    dx, dy = px[k] - x, py[k] - y
+                    near = dx * dx + dy * dy <= bandwidth * bandwidth
+                    sx += dx if near else 0.0
+                    sy += dy if near else 0.0
+                    count += near
+            if count == 0:
+                break
+            x += sx / count
+            y += sy / count
+            if sx * sx + sy * sy <= (tolerance * count) ** 2:
+                break
+        modes[m, 0], modes[m, 1], density[m] = x, y, count
+        m += 1
+    return modes[:m], density[:m]
+
+
+@njit(cache=True, nogil=True)
+def _nearest(points, modes, cell):
+    """Index (N,) of the mode (M, 2) nearest to each point (N, 2), and how many each has (M,).
+
+    Squares of bins around a point are searched, each larger by one all around, until what
+    was found is nearer than any bin left out. Of modes as near as each other, the first.
+    """
+    left, bottom, rows, columns, start, order = _binned(modes, cell)
+    member, counts = np.empty(points.shape[0], np.int64), np.zeros(modes.shape[0], np.int64)
+    for i in range(points.shape[0]):
+        x, y = points[i, 0], points[i, 1]
+        r, c = int(math.floor((y - bottom) / cell)), int(math.floor((x - left) / cell))
+        best, nearest, reach = np.inf, 0, 0
+        while best >= (0.999 * reach * cell) ** 2:
+            reach += 1
+            low = min(max(0, c - reach), columns)
+            high = min(max(0, c + reach + 1), columns)
+            for rr in range(max(0, r - reach), min(rows, r + reach + 1)):
+                for k in range(start[rr * columns + low], start[rr * columns + high]):
+                    j = order[k]
+                    dx, dy = modes[j, 0] - x, modes[j, 1] - y
+                    d = dx * dx + dy * dy
+                    if d < best or (d == best and j < nearest):
+                        best, nearest = d, j
+        member[i] = nearest
+        counts[nearest] += 1
+    return member, counts
+
+
+@njit(cache=True, nogil=True)
 def mean_shift(points, bandwidth, tolerance, max_iterations):
     """Flat-kernel mean shift of points (N, 2), N at least 1 (Comaniciu and Meer 2002).
 
@@ -65,67 +139,19 @@ def mean_shift(points, bandwidth, tolerance, max_iterations):
     -------
     modes (M, 2), densest first; member (N,) the mode of each point; counts (M,).
     """
-    n = points.shape[0]
-    left, bottom, rows, columns, start, order = _binned(points, bandwidth)
-    squared = bandwidth * bandwidth
-    modes = np.empty((n, 2))
-    density = np.empty(n, np.int64)
-    m = 0
-    for b in range(rows * columns):
-        if start[b] == start[b + 1]:
-            continue
-        x, y = 0.0, 0.0
-        for k in range(start[b], start[b + 1]):
-            x += points[order[k], 0]
-            y += points[order[k], 1]
-        x /= start[b + 1] - start[b]
-        y /= start[b + 1] - start[b]
-        count = 0
-        for _ in range(max_iterations):
-            sx, sy, count = 0.0, 0.0, 0
-            r = int(math.floor((y - bottom) / bandwidth))
-            c = int(math.floor((x - left) / bandwidth))
-            for rr in range(max(0, r - 1), min(rows, r + 2)):
-                first = rr * columns + max(0, c - 1)
-                last = rr * columns + min(columns, c + 2)
-                for k in range(start[first], start[last]):
-                    i = order[k]
-                    dx, dy = points[i, 0] - x, points[i, 1] - y
-                    if dx * dx + dy * dy <= squared:
-                        sx += dx
-                        sy += dy
-                        count += 1
-            if count == 0:
-                break
-            x += sx / count
-            y += sy / count
-            if sx * sx + sy * sy <= (tolerance * count) ** 2:
-                break
-        modes[m, 0], modes[m, 1], density[m] = x, y, count
-        m += 1
-    kept = np.empty((m, 2))
-    n_kept = 0
-    for j in _densest_first(density, m, n):
+    modes, density = _climbed(points, bandwidth, tolerance, max_iterations)
+    kept, n_kept = np.empty(modes.shape), 0
+    for j in _densest_first(density, density.shape[0], points.shape[0]):
         alone = True
         for k in range(n_kept):
             dx, dy = kept[k, 0] - modes[j, 0], kept[k, 1] - modes[j, 1]
-            if dx * dx + dy * dy < squared:
+            if dx * dx + dy * dy < bandwidth * bandwidth:
                 alone = False
                 break
         if alone:
             kept[n_kept, 0], kept[n_kept, 1] = modes[j, 0], modes[j, 1]
             n_kept += 1
-    member = np.empty(n, np.int64)
-    counts = np.zeros(n_kept, np.int64)
-    for i in range(n):
-        best, nearest = np.inf, 0
-        for k in range(n_kept):
-            dx, dy = kept[k, 0] - points[i, 0], kept[k, 1] - points[i, 1]
-            d = dx * dx + dy * dy
-            if d < best:
-                best, nearest = d, k
-        member[i] = nearest
-        counts[nearest] += 1
+    member, counts = _nearest(points, kept[:n_kept], bandwidth)
     return kept[:n_kept], member, counts
 
 
@@ -212,6 +238,56 @@ def turn_shares(drift, weight, out):
 
 
 @njit(cache=True, nogil=True)
+def _around(mass, rows, columns, b):
+    """Sum of the masses of a bin and its neighbours; 0 for a bin without any."""
+    if mass[b] <= 0.0:
+        return 0.0
+    r, c = b // columns, b % columns
+    total = 0.0
+    for rr in range(max(0, r - 1), min(rows, r + 2)):
+        for cc in range(max(0, c - 1), min(columns, c + 2)):
+            total += mass[rr * columns + cc]
+    return total
+
+
+@njit(cache=True, nogil=True)
+def _claim(points, weight, bins, at, spot, radius, mass, place):
+    """Give the disc around the mean of what lies around bin `at` to a spot; return its share.
+
+    Their bins lose what leaves. `bins` is what `_binned` returns.
+    """
+    _left, _bottom, rows, columns, start, order = bins
+    x, y, total, share = 0.0, 0.0, 0.0, 0.0
+    r, c = at // columns, at % columns
+    for rr in range(max(0, r - 1), min(rows, r + 2)):
+        first, last = rr * columns + max(0, c - 1), rr * columns + min(columns, c + 2)
+        for k in range(start[first], start[last]):
+            i = order[k]
+            if place[i] < 0:
+                x += weight[i] * points[i, 0]
+                y += weight[i] * points[i, 1]
+                total += weight[i]
+    x /= total
+    y /= total
+    for rr in range(max(0, r - 2), min(rows, r + 3)):
+        for b in range(rr * columns + max(0, c - 2), rr * columns + min(columns, c + 3)):
+            mass[b] = 0.0
+            for k in range(start[b], start[b + 1]):
+                i = order[k]
+                if place[i] >= 0:
+                    continue
+                dx, dy = points[i, 0] - x, points[i, 1] - y
+                if dx * dx + dy * dy <= radius * radius:
+                    place[i] = spot
+                    share += weight[i]
+                else:
+                    mass[b] += weight[i]
+    if share == 0.0:
+        mass[at] = 0.0
+    return share
+
+
+@njit(cache=True, nogil=True)
 def heaviest_places(points, weight, radius, n_places):
     """Up to n_places spots of most weight, greedily: members of a disc leave after each.
 
@@ -219,57 +295,27 @@ def heaviest_places(points, weight, radius, n_places):
     -------
     place (N,) int8: the spot each particle belongs to, or -1; shares (n_places,), 0 when unused.
     """
-    n = points.shape[0]
-    _left, _bottom, rows, columns, start, order = _binned(points, radius)
-    mass = np.zeros(rows * columns)
+    bins = _binned(points, radius)
+    _left, _bottom, rows, columns, start, order = bins
+    mass, near = np.zeros(rows * columns), np.zeros(rows * columns)
+    some, n_some = np.empty(rows * columns, np.int64), 0
     for b in range(rows * columns):
+        some[n_some] = b
+        n_some += start[b] < start[b + 1]
         for k in range(start[b], start[b + 1]):
             mass[b] += weight[order[k]]
-    place = np.full(n, -1, np.int8)
-    shares = np.zeros(n_places)
+    for b in some[:n_some]:
+        near[b] = _around(mass, rows, columns, b)
+    place, shares = np.full(points.shape[0], -1, np.int8), np.zeros(n_places)
     for spot in range(n_places):
         best, at = 0.0, -1
-        for b in range(rows * columns):
-            if mass[b] <= 0.0:
-                continue
-            r, c = b // columns, b % columns
-            total = 0.0
-            for rr in range(max(0, r - 1), min(rows, r + 2)):
-                for cc in range(max(0, c - 1), min(columns, c + 2)):
-                    total += mass[rr * columns + cc]
-            if total > best + 1e-12:
-                best, at = total, b
+        for b in some[:n_some]:
+            if near[b] > best + 1e-12:
+                best, at = near[b], b
         if at < 0:
             break
-        x, y, total = 0.0, 0.0, 0.0
-        r, c = at // columns, at % columns
-        first_r, last_r = max(0, r - 2), min(rows, r + 3)
-        first_c, last_c = max(0, c - 2), min(columns, c + 3)
-        for rr in range(max(0, r - 1), min(rows, r + 2)):
-            for cc in range(max(0, c - 1), min(columns, c + 2)):
-                b = rr * columns + cc
-                for k in range(start[b], start[b + 1]):
-                    i = order[k]
-                    if place[i] < 0:
-                        x += weight[i] * points[i, 0]
-                        y += weight[i] * points[i, 1]
-                        total += weight[i]
-        x /= total
-        y /= total
-        for rr in range(first_r, last_r):
-            for cc in range(first_c, last_c):
-                b = rr * columns + cc
-                mass[b] = 0.0
-                for k in range(start[b], start[b + 1]):
-                    i = order[k]
-                    if place[i] >= 0:
-                        continue
-                    dx, dy = points[i, 0] - x, points[i, 1] - y
-                    if dx * dx + dy * dy <= radius * radius:
-                        place[i] = spot
-                        shares[spot] += weight[i]
-                    else:
-                        mass[b] += weight[i]
-        if shares[spot] == 0.0:
-            mass[at] = 0.0
+        shares[spot] = _claim(points, weight, bins, at, spot, radius, mass, place)
+        for r in range(max(0, at // columns - 3), min(rows, at // columns + 4)):
+            for c in range(max(0, at % columns - 3), min(columns, at % columns + 4)):
+                near[r * columns + c] = _around(mass, rows, columns, r * columns + c)
     return place, shares

@@ -1,4 +1,4 @@
-"""The particle filter's loops: random numbers, walls, moves, weights, resampling."""
+"""The particle filter's loops: random numbers, walls, moves, copies, sums over places."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numba import njit
 TAIL = 3.442619855899  # Marsaglia and Tsang 2000: start of the tail, 128 blocks
 AREA = 9.91256303526217e-3  # Marsaglia and Tsang 2000: area of a block
 BLOCKS = 128
+CHUNK = 128  # particles at a time: what one loop hands to the next stays in the nearest cache
 
 
 def _ziggurat() -> tuple[np.ndarray, np.ndarray]:
@@ -31,7 +32,7 @@ MIX_1, MIX_2 = np.uint64(0xBF58476D1CE4E5B9), np.uint64(0x94D049BB133111EB)
 S11, S27, S30, S31 = np.uint64(11), np.uint64(27), np.uint64(30), np.uint64(31)
 LOW_7 = np.uint64(127)
 OUTSIDE = 0  # clearance of a cell where no phone can be
-SLACK_CELLS = 3.5  # ends may lie off their cell's centre, walls off theirs; a wall's cell has 1
+SLACK_CELLS = 3.0  # ends may lie off their cell's centre by 0.71 cells, and walls off theirs
 TOUCH_M = 1e-9  # a move that comes this near to a wall touches it
 PER_QUARTER = 0.6366197723675814  # quarter turns per radian
 QUARTER = (1.57079632673412561417, 6.07710050630396597660e-11, 2.02226624871116645580e-21)
@@ -121,17 +122,17 @@ def _sine_cosine(angle):
 
     Faster than two calls, and the same on every machine.
     """
-    k = math.floor(angle * PER_QUARTER + 0.5)
+    k = np.floor(angle * PER_QUARTER + 0.5)
     r = ((angle - k * QUARTER[0]) - k * QUARTER[1]) - k * QUARTER[2]
     z = r * r
     s = SINE[2] + z * (SINE[3] + z * (SINE[4] + z * SINE[5]))
     s = r + r * z * (SINE[0] + z * (SINE[1] + z * s))
     c = COSINE[2] + z * (COSINE[3] + z * (COSINE[4] + z * COSINE[5]))
     c = 1.0 - 0.5 * z + z * z * (COSINE[0] + z * (COSINE[1] + z * c))
-    quarter = int(k) & 3
-    if quarter & 1:
-        s, c = c, -s
-    return (-s, -c) if quarter & 2 else (s, c)
+    quarter = np.int32(k)
+    odd, turned = quarter & 1 != 0, quarter & 2 != 0
+    s, c = c if odd else s, -s if odd else c
+    return -s if turned else s, -c if turned else c
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -255,6 +256,30 @@ def blocked(walls, start, end, out):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
+def _three_normals(key, first, z, quick):
+    """Fill z (3, M) with the first normal numbers of M particles from `first` on.
+
+    By the quick way of `_normal` for all of them, which becomes vector code; then anew for
+    the few (3 %) that need the long way.
+    """
+    for j in range(quick.shape[0]):
+        state = _stream(key, first + j)
+        quick[j] = True
+        for k in range(3):
+            state = state + GAMMA
+            bits = _mixed(state)
+            i = int(bits & LOW_7)
+            u = 2.0 * (float(bits >> S11) * 1.1102230246251565e-16) - 1.0
+            z[k, j] = u * X[i]
+            quick[j] &= abs(u) < RATIO[i]
+    for j in range(quick.shape[0]):
+        if not quick[j]:
+            state = _stream(key, first + j)
+            for k in range(3):
+                z[k, j], state = _normal(state)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
 def move(position, drift, scale, step, noise, key, walls, new_position, new_drift, hit):
     """Move every particle by one step of the odometry; return how many hit a wall.
 
@@ -268,24 +293,28 @@ def move(position, drift, scale, step, noise, key, walls, new_position, new_drif
     along, across, turning = noise
     length = math.sqrt(dx * dx + dy * dy)
     ux, uy = (dx / length, dy / length) if length > 0 else (1.0, 0.0)
+    z = np.empty((3, CHUNK))
     n_hit = 0
-    for i in range(position.shape[0]):
-        state = _stream(key, i)
-        z0, state = _normal(state)
-        z1, state = _normal(state)
-        z2, state = _normal(state)
-        angle = drift[i] + turning * z2
-        far = length * scale[i] + along * z0
-        side = across * z1
-        sx, sy = far * ux - side * uy, far * uy + side * ux
-        s, c = _sine_cosine(angle)
-        x0, y0 = position[i, 0], position[i, 1]
-        x1, y1 = x0 + c * sx - s * sy, y0 + s * sx + c * sy
-        new_position[i, 0], new_position[i, 1], new_drift[i] = x1, y1, angle
-        hit[i] = not _far_from_walls(clearance, frame, x0, y0, x1, y1) and _blocked(
-            segments, clearance, start, items, frame, x0, y0, x1, y1
-        )
-        n_hit += hit[i]
+    for first in range(0, position.shape[0], CHUNK):
+        last = min(first + CHUNK, position.shape[0])
+        _three_normals(key, first, z, hit[first:last])
+        for i in range(first, last):  # apart from the walls, so that it becomes vector code
+            angle = drift[i] + turning * z[2, i - first]
+            far = length * scale[i] + along * z[0, i - first]
+            side = across * z[1, i - first]
+            sx, sy = far * ux - side * uy, far * uy + side * ux
+            s, c = _sine_cosine(angle)
+            z[0, i - first] = position[i, 0] + c * sx - s * sy
+            z[1, i - first] = position[i, 1] + s * sx + c * sy
+            new_drift[i] = angle
+        for i in range(first, last):
+            x0, y0 = position[i, 0], position[i, 1]
+            x1, y1 = z[0, i - first], z[1, i - first]
+            new_position[i, 0], new_position[i, 1] = x1, y1
+            hit[i] = not _far_from_walls(clearance, frame, x0, y0, x1, y1) and _blocked(
+                segments, clearance, start, items, frame, x0, y0, x1, y1
+            )
+            n_hit += hit[i]
     return n_hit
 
 
@@ -328,26 +357,6 @@ def replace_hits(position, drift, scale, label, hit, spread, key, walls):
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def weighed(weight, factor, out):
-    """Fill out (N,) with the products of weights and factors (N,); return their sum."""
-    total = 0.0
-    for i in range(weight.shape[0]):
-        out[i] = weight[i] * factor[i]
-        total += out[i]
-    return total
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def moments(weight):
-    """Sum of the weights (N,), and of their squares."""
-    total, squares = 0.0, 0.0
-    for i in range(weight.shape[0]):
-        total += weight[i]
-        squares += weight[i] * weight[i]
-    return total, squares
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
 def gathered(position, drift, weight, place, out):
     """Fill out (K, 5) with sums over the particles of each place, in order.
 
@@ -355,32 +364,23 @@ def gathered(position, drift, weight, place, out):
     place[i]; those of -1 are left out.
     """
     out[:] = 0.0
-    for i in range(weight.shape[0]):
-        k, w = place[i], weight[i]
-        if k >= 0:
-            s, c = _sine_cosine(drift[i])
+    some, turn = np.empty(CHUNK, np.int64), np.empty(CHUNK)
+    sines, cosines = np.empty(CHUNK), np.empty(CHUNK)
+    for first in range(0, weight.shape[0], CHUNK):
+        m = 0
+        for i in range(first, min(first + CHUNK, weight.shape[0])):
+            some[m], turn[m] = i, drift[i]
+            m += place[i] >= 0
+        for j in range(m):  # apart from the sums, so that it becomes vector code
+            sines[j], cosines[j] = _sine_cosine(turn[j])
+        for j in range(m):
+            i = some[j]
+            k, w = place[i], weight[i]
             out[k, 0] += w
             out[k, 1] += w * position[i, 0]
             out[k, 2] += w * position[i, 1]
-            out[k, 3] += w * c
-            out[k, 4] += w * s
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def systematic(weights, n, u, out):
-    """Fill out (n,) with indices drawn by systematic resampling at offset u in [0, 1)."""
-    total = 0.0
-    for i in range(weights.shape[0]):
-        total += weights[i]
-    j = 0
-    reached = weights[0]
-    last = weights.shape[0] - 1
-    for k in range(n):
-        wanted = (k + u) * total / n
-        while reached <= wanted and j < last:
-            j += 1
-            reached += weights[j]
-        out[k] = j
+            out[k, 3] += w * cosines[j]
+            out[k, 4] += w * sines[j]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
