@@ -157,6 +157,8 @@ def read_out(case: Case, settings: Settings, seed: int, say: Speaker) -> None:
 
 def follow(case: Case, settings: Settings, seeds: range) -> list[Track]:
     """Return one track for each seed; shows progress on a terminal."""
+    from contextlib import closing
+
     import palms
     from palms.cli._compiling import announcing
 
@@ -166,8 +168,11 @@ def follow(case: Case, settings: Settings, seeds: range) -> list[Track]:
     with (
         announcing(lambda text: typer.echo(text, err=True)),
         progress(len(seeds), "Following the walk") as advance,
+        closing(
+            palms.track_trials(where, case.told, case.odometry, settings, seeds, jobs)
+        ) as tracks,
     ):
-        for each in palms.track_trials(where, case.told, case.odometry, settings, seeds, jobs):
+        for each in tracks:
             found.append(each)
             advance()
     return found
