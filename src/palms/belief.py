@@ -198,11 +198,13 @@ def settle(
     key : RandomKey
         Of this step.
     """
-    label, agreed = _dominant_label(particles, settings)
+    if belief.stage == Stage.SEARCHING:
+        searching = replace(belief, particles=particles, age=belief.age + 1)
+        if not _agrees(searching, settings):
+            return searching
+    label = _dominant_label(particles, settings)
     withdrawn = settings.withdraw and belief.stage == Stage.LOCALIZED and label != belief.label
     before = replace(belief, stage=Stage.ORIENTED, age=0) if withdrawn else belief
-    if before.stage == Stage.SEARCHING and not agreed:
-        return replace(before, particles=particles, age=before.age + 1)
     if before.stage == Stage.SEARCHING and settings.divide_particles:
         n_labels = max(1, len(particles.label_shares()))
         particles = thin(particles, max(1, len(particles) // n_labels), key.child(_SETTLE))
@@ -220,13 +222,15 @@ def settle(
     return _declare(particles, members, label, cluster)
 
 
-def _dominant_label(particles: Particles, settings: ConvergenceSettings) -> tuple[int | None, bool]:
-    """Return the dominant label, and whether step 1 holds."""
+def _agrees(belief: Belief, settings: ConvergenceSettings) -> bool:
+    """Whether step 1 holds."""
     if settings.step1 == "dispersion":
-        return None, particles.dispersion_m() < settings.dispersion_m
-    shares = particles.label_shares()
-    label = int(shares.argmax())
-    return label, bool(shares[label] >= settings.label_share)
+        return belief.particles.dispersion_m(belief.answer_m) < settings.dispersion_m
+    return bool(belief.particles.label_shares().max() >= settings.label_share)
+
+
+def _dominant_label(particles: Particles, settings: ConvergenceSettings) -> int | None:
+    return None if settings.step1 == "dispersion" else int(particles.label_shares().argmax())
 
 
 def _declare(

@@ -131,9 +131,9 @@ class Particles:
         loops.gathered(self.position_m, self.drift_rad, self.weight, place, sums)
         return sums
 
-    def dispersion_m(self) -> float:
-        """Root of the summed variances of the positions."""
-        x, y = self.mean_m()
+    def dispersion_m(self, mean_m: FloatArray | None = None) -> float:
+        """Root of the summed variances of the positions; quicker where their mean is known."""
+        x, y = self.mean_m() if mean_m is None else mean_m
         return math.sqrt(clusters.variance(self.position_m, self.weight, x, y))
 
     def take(self, index: npt.NDArray[np.int64], weight: FloatArray) -> Particles:
@@ -206,11 +206,12 @@ def start_everywhere(
     drifts_rad : array_like (K,), optional
         Equal groups with these drifts (Uniform + Ori). Left out: any drift (Uniform).
     """
-    cells = np.argwhere(raster.inside).astype(np.int32)
-    index = resample_systematic(np.full(len(cells), 1 / len(cells)), n, key.child(_PLACE))
+    inside = np.flatnonzero(raster.inside)
+    index = resample_systematic(np.full(len(inside), 1 / len(inside)), n, key.child(_PLACE))
+    cells = np.stack(np.divmod(inside[index], raster.inside.shape[1]), axis=1).astype(np.int32)
     position, drift = np.empty((n, 2)), np.empty(n)
     loops.place(
-        cells, np.zeros(len(cells)), index, raster.grid.cell_size_m, raster.grid.origin_m,
+        cells, np.zeros(n), np.arange(n), raster.grid.cell_size_m, raster.grid.origin_m,
         key.child(_PLACE, 1).word, position, drift,
     )  # fmt: skip
     label = np.zeros(n, np.int32)

@@ -236,8 +236,10 @@ def declare_by_threshold(
     >>> declare_by_threshold([2, 4, 6, 8], [9, 9, 0.5, 0.5], [0.2, 0.6, 0.7, 0.9], 0.65)
     Verdict(false_localized=0.0, right_after_m=6.0)
     """
-    given = (np.asarray(each, dtype=np.float64) for each in (walked_m, error_m, p_within_2m))
-    false, right = _verdicts(*given, np.array([threshold]))
+    walked, error, p2 = (
+        np.asarray(each, dtype=np.float64) for each in (walked_m, error_m, p_within_2m)
+    )
+    false, right = _verdicts(walked, error, p2, np.array([threshold]))
     return Verdict(float(false[0]), float(right[0]))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
@@ -140,7 +140,7 @@ def track_trials(
     settings: Settings,
     seeds: Sequence[int],
     jobs: int = 1,
-) -> Iterator[Track]:
+) -> Generator[Track, None, None]:
     """Yield one track for each seed, in order; each scan is searched for once.
 
     Parameters
