@@ -199,7 +199,7 @@ def settle(
         Of this step.
     """
     if belief.stage == Stage.SEARCHING:
-        searching = replace(belief, particles=particles, age=belief.age + 1)
+        searching = Belief(particles, age=belief.age + 1)
         if not _agrees(searching, settings):
             return searching
     label = _dominant_label(particles, settings)

@@ -59,21 +59,23 @@ def in_processes(run: Run, tasks: Iterator[tuple[Any, ...]], jobs: int, fix: str
     """
     workers: dict[Any, BaseProcess] = {}  # by this end of their pipes
     try:
-        for _, task in zip(range(jobs), tasks, strict=False):
+        first = list(islice(tasks, jobs))
+        for _ in first:
             here, process = _start(run)
             workers[here] = process
+        for here, task in zip(workers, first, strict=True):  # a large one waits for its reader
             _send(here, task)
         while workers:
             ready: list[Any] = wait(list(workers))
             for here in ready:
-                found = _received(here, fix)
-                for task in islice(tasks, 1):
+                packed = _received(here, fix)
+                for task in islice(tasks, 1):  # nobody waits while this one unpacks
                     _send(here, task)
                     break
                 else:
                     here.close()  # it ends when nothing more can come
                     workers.pop(here).join()
-                yield found
+                yield _outcome_of(packed)
     finally:
         for process in workers.values():
             process.terminate()
@@ -127,11 +129,16 @@ def _send(pipe: Any, value: object) -> None:  # noqa: ANN401 - either kind of co
         pipe.send_bytes(_packed(value))
 
 
-def _received(here: Any, fix: str) -> Any:  # noqa: ANN401 - whatever the function returns
+def _received(here: Any, fix: str) -> bytes:  # noqa: ANN401 - either kind of connection
     try:
-        found, error = pickle.loads(here.recv_bytes())
+        packed: bytes = here.recv_bytes()
     except (EOFError, OSError):
         raise PalmsError("a worker process died", fix=fix) from None
+    return packed
+
+
+def _outcome_of(packed: bytes) -> Any:  # noqa: ANN401 - whatever the function returns
+    found, error = pickle.loads(packed)
     if error is not None:
         raise error
     return found

@@ -8,6 +8,7 @@ that was stopped goes on where it was.
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from fnmatch import fnmatchcase
@@ -261,7 +262,7 @@ def series(track: Track, error_m: FloatArray, subject: Subject) -> dict[str, lis
 
 
 def _rounded(values: Iterable[float], digits: int = 3) -> list[float | None]:
-    return [round(float(v), digits) if np.isfinite(v) else None for v in values]
+    return [round(v, digits) if math.isfinite(v) else None for v in map(float, values)]
 
 
 def as_results(experiment: Experiment, records: Sequence[Record]) -> dict[str, Any]:
