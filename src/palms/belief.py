@@ -121,7 +121,7 @@ class Belief:
     @property
     def answer_m(self) -> FloatArray:
         """The best single answer (2,): the mean of the answering particles."""
-        if self.answering is not None and not self.answering.any() and self.mode_m is not None:
+        if self.mode_m is not None and self.answering is not None and not self._answers:
             return self.mode_m
         return self._pose[0]
 
@@ -135,8 +135,12 @@ class Belief:
         """Mean pose of the answering particles; of all where none answers."""
         if self.spots is not None and self.spots.shares[0] > 0:
             return self.spot_poses[0]
-        some = None if self.answering is None or not self.answering.any() else self.answering
-        return self.particles.mean_pose(some)
+        return self.particles.mean_pose(self.answering if self._answers else None)
+
+    @cached_property
+    def _answers(self) -> bool:
+        """Whether there are particles that answer for all."""
+        return self.answering is not None and bool(self.answering.any())
 
     @cached_property
     def spot_poses(self) -> list[tuple[FloatArray, float]]:
@@ -252,7 +256,8 @@ def _follow(
     step = np.array([c * move.dx_m - s * move.dy_m, s * move.dx_m + c * move.dy_m])
     mode = belief.mode_m + step
     bandwidth = settings.bandwidth_m or 1.0
-    near = ((particles.position_m - mode) ** 2).sum(axis=1) <= bandwidth**2
+    x, y = (particles.position_m - mode).T
+    near = x * x + y * y <= bandwidth**2
     return Belief(particles, Stage.LOCALIZED, belief.label, mode, members & near, belief.age + 1)
 
 
