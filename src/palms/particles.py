@@ -208,11 +208,11 @@ def start_everywhere(
     """
     inside = np.flatnonzero(raster.inside)
     index = resample_systematic(np.full(len(inside), 1 / len(inside)), n, key.child(_PLACE))
-    cells = np.stack(np.divmod(inside[index], raster.inside.shape[1]), axis=1).astype(np.int32)
+    cells = np.stack(np.unravel_index(inside[index], raster.inside.shape), axis=1)
     position, drift = np.empty((n, 2)), np.empty(n)
     loops.place(
-        cells, np.zeros(n), np.arange(n), raster.grid.cell_size_m, raster.grid.origin_m,
-        key.child(_PLACE, 1).word, position, drift,
+        cells.astype(np.int32), np.zeros(n), np.arange(n), raster.grid.cell_size_m,
+        raster.grid.origin_m, key.child(_PLACE, 1).word, position, drift,
     )  # fmt: skip
     label = np.zeros(n, np.int32)
     if drifts_rad is None:
