@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
@@ -10,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.harness import quickest_ms, timed_ms
+from benchmarks.harness import quickest_ms
 from benchmarks.populations import KEY, MOVE, spread
 from benchmarks.world import campus, crowded, raster, scan, walk
 from palms.heatmap import match, scan_drifts
 from palms.io.files import make_folder, write_bytes
-from palms.localizer import locate, track_trials
+from palms.localizer import track_trials
 from palms.particles import advance, start_everywhere
 from palms.plot import image_bytes
 from palms.plot.style import ANSWER, INK, MUTED, SCAN, TRUTH, new_figure, styled
@@ -28,7 +29,7 @@ PARTICLES = (250, 1000, 4000, 16_000, 64_000, 250_000, 1_000_000)
 SIDES_M = (30, 60, 120, 250, 400)
 WALLS = (100, 1000, 10_000, 100_000)
 DRIFTS = (4, 12, 36, 72, 180, 360)
-TRIALS = (1, 10, 100, 1000, 4200)
+ALONE, TOGETHER = (1, 3, 10, 30, 100), (300, 1000, 2000, 4200)
 
 
 @dataclass(frozen=True)
@@ -67,18 +68,32 @@ def curves() -> Iterator[Curve]:
     )  # fmt: skip
 
 
-def trials() -> Iterator[Curve]:
-    """Measure trials of the paper's method on one and two cores: minutes."""
-    settings, plan, moves = Settings.paper(), raster(), walk()
-    locate(plan, scan(), settings)
+def trials(alone: Sequence[int] = ALONE, together: Sequence[int] = TOGETHER) -> Iterator[Curve]:
+    """Measure trials of the paper's method on one and two cores, by the wall's clock: minutes.
+
+    Few trials are a run of their own. The others are one run, looked at when so many of its
+    trials have come: that takes as long as if it ended there.
+    """
+    sizes = (*alone, *together)
     for jobs in (1, 2):
+        name = f"{jobs} core{'s' * (jobs > 1)}"
+        list(_arrivals_ms((2,), jobs))  # not counted: loads the loops
+        times: list[float] = []
+        for marks in (*((n,) for n in alone), together):
+            for time_ms in _arrivals_ms(marks, jobs):
+                times.append(time_ms)
+                print(f"{sizes[len(times) - 1]:,} trials, {name}: {time_ms / 1e3:.3g} s",
+                      file=sys.stderr)  # fmt: skip
+        yield Curve("trials", name, sizes, tuple(times))
 
-        def follow(n: int, jobs: int = jobs) -> Callable[[], object]:
-            return lambda: list(track_trials(plan, scan(), moves, settings, range(n), jobs))
 
-        follow(2)()
-        times = tuple(timed_ms(follow(n), time.perf_counter) for n in TRIALS)
-        yield Curve("trials", f"{jobs} core{'s' * (jobs > 1)}", TRIALS, times)
+def _arrivals_ms(marks: Sequence[int], jobs: int) -> Iterator[float]:
+    """Follow as many trials as the last mark says; yield the time when so many have come."""
+    start = time.perf_counter()
+    tracks = track_trials(raster(), scan(), walk(), Settings.paper(), range(marks[-1]), jobs)
+    for number, _ in enumerate(tracks, start=1):
+        if number in marks:
+            yield 1e3 * (time.perf_counter() - start)
 
 
 def _cells_of(side_m: float) -> Any:

@@ -1,11 +1,14 @@
 import dataclasses
+import multiprocessing
+import pickle
 
 import numpy as np
 import pytest
 
 from palms.belief import Stage
-from palms.errors import InputError
-from palms.localizer import Localizer, locate, track, track_trials
+from palms.building import Building
+from palms.errors import InputError, PalmsError
+from palms.localizer import Localizer, locate, recorded, track, track_trials
 from palms.odometry import Move, Odometry
 from palms.raster import rasterize
 from palms.scan import Scan
@@ -54,16 +57,75 @@ def test_live_and_recorded_give_the_same_answers(method):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_trials_do_not_depend_on_threads_or_on_one_another(method):
+def test_trials_do_not_depend_on_one_another(method):
     settings, odometry = Settings.for_method(method).with_particles(300), walk(STEPS, DRIFT)
-    raster = rasterize(PLAN)
-    one = list(track_trials(raster, scan(), odometry, settings, range(3, 9)))
-    two = list(track_trials(raster, scan(), odometry, settings, range(3, 9), jobs=2))
-    for a, b in zip(one, two, strict=True):
-        assert a.seed == b.seed
-        assert same(list(a), list(b))
+    one = list(track_trials(rasterize(PLAN), scan(), odometry, settings, range(3, 9)))
+    assert [a.seed for a in one] == [3, 4, 5, 6, 7, 8]
+    for a in one:
         assert same(list(a), list(track(PLAN, scan(), odometry, settings, rng=a.seed)))
     assert not same(list(one[0]), list(one[1]))
+
+
+def _trials(where, seeds=range(3, 9), settings=None, jobs=2):
+    settings = settings or Settings.for_method("paper").with_particles(300)
+    return track_trials(where, scan(), walk(STEPS, DRIFT), settings, seeds, jobs)
+
+
+@pytest.fixture
+def much(monkeypatch):
+    """As if little work were much."""
+    monkeypatch.setattr(recorded, "SHARE", 1)
+
+
+@pytest.mark.parametrize("where", [rasterize(PLAN), Building((PLAN,))], ids=["raster", "building"])
+@pytest.mark.parametrize("method", ["palms", "uniform-ori"])
+def test_trials_do_not_depend_on_processes(method, where, much):
+    settings = Settings.for_method(method).with_particles(300)
+    seeds = [5, 3, 5, 8, 4]
+    one, two = (list(_trials(where, seeds, settings, jobs)) for jobs in (1, 2))
+    assert [each.seed for each in two] == seeds
+    assert all(same(list(a), list(b)) for a, b in zip(one, two, strict=True))
+
+
+def test_little_work_starts_no_process(monkeypatch):
+    monkeypatch.setattr(recorded, "in_processes", None)
+    assert len(list(_trials(rasterize(PLAN), range(8), jobs=8))) == 8
+    assert list(_trials(rasterize(PLAN), (), jobs=8)) == []
+
+
+def test_whoever_leaves_early_leaves_no_process(much):
+    tracks = _trials(rasterize(PLAN), range(1000))
+    next(tracks), next(tracks)
+    working = multiprocessing.active_children()
+    assert len(working) == 2
+    tracks.close()
+    for process in working:
+        process.join(10.0)
+    assert not multiprocessing.active_children()
+
+
+def test_a_trials_process_that_dies_is_said(much):
+    tracks = _trials(rasterize(PLAN), range(1000))
+    next(tracks), next(tracks)
+    multiprocessing.active_children()[0].kill()
+    with pytest.raises(PalmsError, match="a worker process died; run it again"):
+        list(tracks)
+
+
+def test_what_was_worked_out_of_a_plan_stays_behind():
+    raster, settings = rasterize(PLAN), Settings()
+    before = len(pickle.dumps(raster))
+    found = locate(raster, scan(), settings)
+    assert raster.sights
+    there = pickle.loads(pickle.dumps(raster, protocol=5))
+    assert len(pickle.dumps(there)) == before
+    assert not there.inside.flags.writeable
+    again = locate(there, scan(), settings)
+    assert np.array_equal(found.log_weight, again.log_weight)
+    building = Building((PLAN,))
+    before = len(pickle.dumps(building))
+    assert building.atlas.raster(settings.raster)
+    assert len(pickle.dumps(building)) == before
 
 
 def test_other_seeds_give_other_answers_but_the_same_place():

@@ -121,7 +121,7 @@ class Belief:
     @property
     def answer_m(self) -> FloatArray:
         """The best single answer (2,): the mean of the answering particles."""
-        if self.answering is not None and not self.answering.any() and self.mode_m is not None:
+        if self.mode_m is not None and self.answering is not None and not self._answers:
             return self.mode_m
         return self._pose[0]
 
@@ -135,8 +135,12 @@ class Belief:
         """Mean pose of the answering particles; of all where none answers."""
         if self.spots is not None and self.spots.shares[0] > 0:
             return self.spot_poses[0]
-        some = None if self.answering is None or not self.answering.any() else self.answering
-        return self.particles.mean_pose(some)
+        return self.particles.mean_pose(self.answering if self._answers else None)
+
+    @cached_property
+    def _answers(self) -> bool:
+        """Whether there are particles that answer for all."""
+        return self.answering is not None and bool(self.answering.any())
 
     @cached_property
     def spot_poses(self) -> list[tuple[FloatArray, float]]:
@@ -199,11 +203,13 @@ def settle(
     key : RandomKey
         Of this step.
     """
-    label, agreed = _dominant_label(particles, settings)
+    if belief.stage == Stage.SEARCHING:
+        searching = Belief(particles, age=belief.age + 1)
+        if not _agrees(searching, settings):
+            return searching
+    label = _dominant_label(particles, settings)
     withdrawn = settings.withdraw and belief.stage == Stage.LOCALIZED and label != belief.label
     before = replace(belief, stage=Stage.ORIENTED, age=0) if withdrawn else belief
-    if before.stage == Stage.SEARCHING and not agreed:
-        return Belief(particles, age=before.age + 1)
     if before.stage == Stage.SEARCHING and settings.divide_particles:
         n_labels = max(1, len(particles.label_shares()))
         particles = thin(particles, max(1, len(particles) // n_labels), key.child(_SETTLE))
@@ -221,13 +227,15 @@ def settle(
     return _declare(particles, members, label, cluster)
 
 
-def _dominant_label(particles: Particles, settings: ConvergenceSettings) -> tuple[int | None, bool]:
-    """Return the dominant label, and whether step 1 holds."""
+def _agrees(belief: Belief, settings: ConvergenceSettings) -> bool:
+    """Whether step 1 holds."""
     if settings.step1 == "dispersion":
-        return None, particles.dispersion_m() < settings.dispersion_m
-    shares = particles.label_shares()
-    label = int(shares.argmax())
-    return label, bool(shares[label] >= settings.label_share)
+        return belief.particles.dispersion_m(belief.answer_m) < settings.dispersion_m
+    return bool(belief.particles.label_shares().max() >= settings.label_share)
+
+
+def _dominant_label(particles: Particles, settings: ConvergenceSettings) -> int | None:
+    return None if settings.step1 == "dispersion" else int(particles.label_shares().argmax())
 
 
 def _declare(
@@ -249,7 +257,8 @@ def _follow(
     step = np.array([c * move.dx_m - s * move.dy_m, s * move.dx_m + c * move.dy_m])
     mode = belief.mode_m + step
     bandwidth = settings.bandwidth_m or 1.0
-    near = ((particles.position_m - mode) ** 2).sum(axis=1) <= bandwidth**2
+    x, y = (particles.position_m - mode).T
+    near = x * x + y * y <= bandwidth**2
     return Belief(particles, Stage.LOCALIZED, belief.label, mode, members & near, belief.age + 1)
 
 

@@ -106,6 +106,10 @@ class Building:
             found = joined_stairs([named_stairs(plan) for plan in self.levels])
         object.__setattr__(self, "stairs", tuple(found))
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave the atlas behind: in another process it may not be needed."""
+        return {"levels": self.levels, "stairs": self.stairs}
+
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the levels, from the lowest up."""

@@ -128,9 +128,9 @@ class Particles:
         loops.gathered(self.position_m, self.drift_rad, self.weight, place, sums)
         return sums
 
-    def dispersion_m(self) -> float:
-        """Root of the summed variances of the positions."""
-        x, y = self.mean_m()
+    def dispersion_m(self, mean_m: FloatArray | None = None) -> float:
+        """Root of the summed variances of the positions; quicker where their mean is known."""
+        x, y = self.mean_m() if mean_m is None else mean_m
         return math.sqrt(clusters.variance(self.position_m, self.weight, x, y))
 
     def take(self, index: npt.NDArray[np.int64], weight: FloatArray) -> Particles:

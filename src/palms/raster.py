@@ -71,6 +71,10 @@ class PlanRaster:
         default_factory=dict, repr=False, compare=False
     )
 
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave behind what was worked out of it: in another process it may not be needed."""
+        return {**self.__dict__, "sights": {}, "_spectra": {}}
+
     def blocked(self, start_m: npt.ArrayLike, end_m: npt.ArrayLike) -> npt.NDArray[np.bool_]:
         """Whether each move from start (N, 2) to end (N, 2) touches a wall or ends outside.
 

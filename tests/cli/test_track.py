@@ -1,5 +1,8 @@
 import json
 import math
+import os
+import subprocess
+import sys
 from itertools import pairwise
 
 import numpy as np
@@ -275,3 +278,36 @@ def test_a_jump_of_the_odometry_is_noted(palms, own_world):
     )
     theirs = palms("track", own_world.plan, own_world.scan, own_world.walk, "--method", "paper")
     assert theirs.stderr == ""
+
+
+INTERRUPTED = """
+import os, signal
+from palms.cli import main
+from palms.localizer import recorded
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's background ignores it
+    recorded.SHARE = 1  # however little there is to do, it is shared
+    in_order = recorded.in_order
+
+    def arrived_and_press(arriving):
+        for each in in_order(arriving):
+            os.killpg(0, signal.SIGINT)  # as a terminal does: parent and workers alike
+            yield each
+
+    recorded.in_order = arrived_and_press
+    main()
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
+def test_ctrl_c_is_calm_and_leaves_nothing(world, tmp_path):
+    path = tmp_path / "track.json"
+    words = ["track", world.plan, world.scan, world.walk, "--method", "paper"]
+    words += ["--trials", 40, "--json", path]
+    stopped = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED, *map(str, words)], start_new_session=True, text=True,
+        capture_output=True, timeout=120, check=False,
+    )  # fmt: skip
+    assert (stopped.returncode, stopped.stdout, stopped.stderr) == (130, "", "")
+    assert not path.exists()

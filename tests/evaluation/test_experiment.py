@@ -1,4 +1,5 @@
 import json
+import pickle
 import shutil
 from dataclasses import fields, replace
 
@@ -18,6 +19,7 @@ from palms.evaluation.experiment import (
 from palms.evaluation.journal import Journal
 from palms.evaluation.metrics import TrialMetrics
 from palms.io import RecordedWalk, write_case, write_plan
+from palms.localizer import locate
 from palms.sample import sample_folder
 from tests.evaluation.conftest import run_into
 
@@ -44,6 +46,23 @@ def test_a_trial_does_not_depend_on_its_batch(experiment, records):
     subject = Subject.of(case)
     (alone,) = run_batch(subject, Batch(case.scene, case.name, "paper", (17,)), experiment)
     assert json.loads(json.dumps(alone)) == records[20 + 17]
+
+
+def test_a_scan_is_searched_for_once_for_all_batches_of_a_walk(experiment, monkeypatch):
+    searched = []
+
+    def counted(*arguments):
+        searched.append(arguments)
+        return locate(*arguments)
+
+    monkeypatch.setattr("palms.evaluation.subject.locate", counted)
+    (case,) = experiment.cases()
+    first = pickle.dumps(Subject.of(case))
+    for trial in range(3):  # as they reach a worker, each time a copy
+        batch = Batch(case.scene, case.name, "paper", (trial,))
+        run_batch(pickle.loads(first), batch, replace(experiment, particles=10))
+        run_batch(pickle.loads(first), batch, replace(experiment, particles=20))
+    assert len(searched) == 2
 
 
 def test_records_have_the_metrics_the_sample_and_no_nan(records):

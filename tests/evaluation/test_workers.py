@@ -14,7 +14,6 @@ from palms.errors import InputError, PalmsError
 from palms.evaluation import workers
 from palms.evaluation.experiment import BATCH
 from palms.evaluation.journal import Journal
-from palms.evaluation.processes import in_processes
 from palms.evaluation.workers import run_experiment
 from tests.evaluation.conftest import run_into
 
@@ -107,17 +106,6 @@ def test_an_error_ends_the_workers_and_arrives_as_it_is(experiment, tmp_path):
     with pytest.raises(InputError, match="scan: expected walls"):
         run_into(tmp_path, experiment, jobs=2, progress=broken)
     wait_for(lambda: not multiprocessing.active_children(), 10.0)
-
-
-def test_an_error_in_a_worker_arrives_with_its_story():
-    with pytest.raises(ZeroDivisionError) as caught:
-        list(in_processes(divmod, iter([(7, 2), (1, 0)]), 1, "run it again"))
-    assert "_outcome" in caught.value.__notes__[0]
-
-
-def test_a_worker_that_leaves_is_said():
-    with pytest.raises(PalmsError, match="a worker process died; run it again"):
-        list(in_processes(os._exit, iter([(3,), (3,)]), 2, "run it again"))
 
 
 @pytest.fixture(scope="module")

@@ -25,9 +25,7 @@ def test_the_scans_true_place_is_among_the_candidates(case):
 
 def test_the_sample_walk_is_localized_rightly_in_most_trials(case):
     raster, walk = rasterize(case.plan()), case.walk()
-    tracks = list(
-        track_trials(raster, case.scan(), walk.odometry(), Settings.paper(), range(8), jobs=2)
-    )
+    tracks = list(track_trials(raster, case.scan(), walk.odometry(), Settings.paper(), range(8)))
     truth = walk.truth.position_m
     right = 0
     for found in tracks:
@@ -43,7 +41,7 @@ def test_the_scan_beats_uniform(case):
     near = {}
     for method in ("paper", "uniform"):
         settings = Settings.for_method(method)
-        tracks = track_trials(raster, case.scan(), walk.odometry(), settings, range(4), jobs=2)
+        tracks = track_trials(raster, case.scan(), walk.odometry(), settings, range(4))
         errors = [np.linalg.norm(t.position_m - walk.truth.position_m, axis=1) for t in tracks]
         near[method] = np.mean(np.array(errors) < 1.0)
     assert near["paper"] > near["uniform"]

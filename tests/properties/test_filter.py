@@ -74,16 +74,17 @@ def test_weights_sum_to_one_and_particles_stay_finite(seed, dx, dy):
 
 _PRINT = """
 import hashlib, numpy as np
-from palms.localizer import track_trials
+from palms.localizer import recorded, track_trials
 from palms.settings import Settings
 from tests.properties.test_filter import RASTER, STEPS, scan
 from tests.worlds import walk
+recorded.SHARE = 1  # however little there is to do, it is shared
 tracks = track_trials(RASTER, scan(), walk(STEPS), Settings.paper(), range(4), jobs={jobs})
 print(hashlib.sha256(np.concatenate([t.position_m for t in tracks]).tobytes()).hexdigest())
 """
 
 
-def test_same_seed_same_bytes_on_any_number_of_threads():
+def test_same_seed_same_bytes_on_any_number_of_threads_and_processes():
     digests = set()
     for threads, jobs in (("1", 1), ("2", 2), ("2", 4)):
         environment = {**os.environ, "NUMBA_NUM_THREADS": threads, "OMP_NUM_THREADS": threads}

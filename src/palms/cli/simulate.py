@@ -211,7 +211,7 @@ def _simulated(out: Path, tasks: list[_Task], jobs: int) -> Iterator[dict[str, A
     """Write all cases and yield what there is to say of each, as they come."""
     from contextlib import closing
 
-    from palms.evaluation.processes import in_processes
+    from palms.processes import in_processes
 
     if min(jobs, len(tasks)) == 1:
         for task in tasks:

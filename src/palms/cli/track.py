@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -173,10 +174,11 @@ def follow(case: Case, settings: Settings, seeds: range) -> list[Track]:
     with (
         announcing(lambda text: typer.echo(text, err=True)),
         progress(len(seeds), "Following the walk") as advance,
+        closing(
+            palms.track_trials(case.ground, case.told, case.odometry, settings, seeds, jobs)
+        ) as tracks,
     ):
-        for each in palms.track_trials(
-            case.ground, case.told, case.odometry, settings, seeds, jobs
-        ):
+        for each in tracks:
             found.append(each)
             advance()
     return found

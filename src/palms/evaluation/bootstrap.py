@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -32,6 +33,12 @@ Statistic = Literal["mean", "median"]
 DRAWS = 2000  # ours: moves the ends of an interval by about a hundredth of its width
 LEVEL = 0.95  # of every interval that is reported
 _SHARES = ("declared", "wrong", "wrong_of_declared")  # of which a median says nothing
+_DERIVED = {  # figure: what it is, and the whole that it stands in or is of
+    "wrong_of_declared": ("wrong", "declared"),
+    "declared_after_s_full": ("declared_after_s", "duration_s"),
+    "declared_after_m_full": ("declared_after_m", "length_m"),
+    "right_after_m_full": ("right_after_m", "length_m"),
+}
 BINS = 10  # ours: reliability diagrams by tenths
 LOG_FLOOR = 1e-3  # ours: a filter of 2,000 particles cannot state less; keeps log scores finite
 
@@ -111,7 +118,17 @@ def bootstrap_interval(
         )
     names, unit = _numbered(units)
     defined = ~np.isnan(value)
-    value, unit = value[defined], unit[defined]
+    return _interval(
+        value[defined].tobytes(), unit[defined].tobytes(), names, statistic, draws, seed
+    )
+
+
+@lru_cache(maxsize=256)
+def _interval(
+    values: bytes, units: bytes, names: int, statistic: Statistic, draws: int, seed: int
+) -> Interval:
+    """Return an interval by content: several tables of a report have the same figures."""
+    value, unit = np.frombuffer(values), np.frombuffer(units, np.int64)
     nothing = float("nan")
     if not len(value):
         return Interval(nothing, nothing, nothing, 0, names)
@@ -193,6 +210,7 @@ def _medians(value: FloatArray, unit: npt.NDArray[np.int64], counts: FloatArray)
     """Median (B,) of the values, each counted as often as its unit was drawn; NaN for none."""
     order = np.argsort(value, kind="stable")
     value, unit = value[order], unit[order]
+    counts, of_draw = np.unique(counts, axis=0, return_inverse=True)  # few units: few distinct
     out = np.full(len(counts), np.nan)
     for b, count in enumerate(counts):
         upto = np.cumsum(count[unit])
@@ -200,7 +218,7 @@ def _medians(value: FloatArray, unit: npt.NDArray[np.int64], counts: FloatArray)
         if n > 0:
             middle = np.searchsorted(upto, [(n - 1) // 2, n // 2], side="right")
             out[b] = value[middle].mean()
-    return out
+    return out[of_draw.ravel()]
 
 
 def aggregate(
@@ -238,31 +256,28 @@ def aggregate(
     >>> figures["declared"].value, figures["right_after_m_full"].value
     (0.0, 5.0)
     """
-    column = _columns(trials)
     figures = {}
-    for name, values in column.items():
-        if names is None or name in names:
-            figures[name] = bootstrap_interval(values, units)
+    for name in (*(field.name for field in fields(TrialMetrics)), *_DERIVED):
         middle = f"{name}_median"
-        if (names is None and name not in _SHARES) or (names is not None and middle in names):
+        mean = names is None or name in names
+        median = name not in _SHARES if names is None else middle in names
+        if mean or median:
+            values = _column(trials, name)
+        if mean:
+            figures[name] = bootstrap_interval(values, units)
+        if median:
             figures[middle] = bootstrap_interval(values, units, "median")
     return figures
 
 
-def _columns(trials: Sequence[Mapping[str, Any]]) -> dict[str, FloatArray]:
-    """Values of the trials by the figure's name; NaN where one is not defined."""
-    column = {
-        field.name: np.array([trial.get(field.name) for trial in trials], dtype=np.float64)
-        for field in fields(TrialMetrics)
-    }
-    column["wrong_of_declared"] = np.where(column["declared"] == 1, column["wrong"], np.nan)
-    for name, whole in (
-        ("declared_after_s", "duration_s"), ("declared_after_m", "length_m"),
-        ("right_after_m", "length_m"),
-    ):  # fmt: skip
-        values = column[name]
-        column[f"{name}_full"] = np.where(np.isnan(values), column[whole], values)
-    return column
+def _column(trials: Sequence[Mapping[str, Any]], name: str) -> FloatArray:
+    """Values (N,) of a figure; NaN where it is not defined."""
+    if name not in _DERIVED:
+        return np.array([trial.get(name) for trial in trials], dtype=np.float64)
+    of, whole = (_column(trials, each) for each in _DERIVED[name])
+    if name == "wrong_of_declared":
+        return np.where(whole == 1, of, np.nan)
+    return np.where(np.isnan(of), whole, of)
 
 
 @dataclass(frozen=True, slots=True)

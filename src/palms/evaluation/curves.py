@@ -236,17 +236,26 @@ def declare_by_threshold(
     >>> declare_by_threshold([2, 4, 6, 8], [9, 9, 0.5, 0.5], [0.2, 0.6, 0.7, 0.9], 0.65)
     Verdict(false_localized=0.0, right_after_m=6.0)
     """
-    walked = np.asarray(walked_m, dtype=np.float64)
-    declared = np.asarray(p_within_2m, dtype=np.float64) >= threshold
-    near = np.asarray(error_m, dtype=np.float64) <= WRONG_M
-    move = np.diff(walked, prepend=0.0)
-    metres = move[declared].sum()
-    entered = declared & ~np.concatenate([[False], declared[:-1]])
-    right = np.flatnonzero(entered & near)
-    return Verdict(
-        float(move[declared & ~near].sum() / metres) if metres > 0 else float("nan"),
-        float(walked[right[0]]) if len(right) else float("nan"),
+    walked, error, p2 = (
+        np.asarray(each, dtype=np.float64) for each in (walked_m, error_m, p_within_2m)
     )
+    false, right = _verdicts(walked, error, p2, np.array([threshold]))
+    return Verdict(float(false[0]), float(right[0]))
+
+
+def _verdicts(
+    walked_m: FloatArray, error_m: FloatArray, p_within_2m: FloatArray, threshold: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return the headline's pair of one trial for each threshold (H,)."""
+    declared = p_within_2m >= threshold[:, None]
+    near, move = error_m <= WRONG_M, np.diff(walked_m, prepend=0.0)
+    metres = np.where(declared, move, 0.0).sum(axis=1)
+    false = np.full(len(threshold), np.nan)
+    np.divide(np.where(declared & ~near, move, 0.0).sum(axis=1), metres, out=false,
+              where=metres > 0)  # fmt: skip
+    right = np.pad(declared & near, ((0, 0), (0, 1)), constant_values=True)
+    right[:, 1:-1] &= ~declared[:, :-1]
+    return false, np.append(walked_m, np.nan)[right.argmax(axis=1)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -284,16 +293,17 @@ def threshold_sweep(records: Records, thresholds: Sequence[float] = THRESHOLDS) 
     ([0.5, 0.0], [5.0, 4.0])
     """
     length = np.array([record["length_m"] for record in records], dtype=np.float64)
-    all_series = [_Series.of(record) for record in records]
-    false, right = [], []
-    for threshold in thresholds:
-        found = [declare_by_threshold(s.walked_m, s.error_m, s.p2, threshold) for s in all_series]
-        shares = np.array([verdict.false_localized for verdict in found])
-        metres = np.array([verdict.right_after_m for verdict in found])
-        defined = shares[~np.isnan(shares)]
-        false.append(defined.mean() if len(defined) else np.nan)
-        right.append(np.where(np.isnan(metres), length, metres).mean() if found else np.nan)
-    return Sweep(np.array(thresholds, dtype=np.float64), np.array(false), np.array(right))
+    threshold = np.array(thresholds, dtype=np.float64)
+    false, right = np.empty((2, len(records), len(threshold)))
+    for k, each in enumerate(map(_Series.of, records)):
+        false[k], right[k] = _verdicts(each.walked_m, each.error_m, each.p2, threshold)
+    defined = ~np.isnan(false)
+    shares, metres = np.full((2, len(threshold)), np.nan)
+    np.divide(np.where(defined, false, 0.0).sum(axis=0), defined.sum(axis=0), out=shares,
+              where=defined.any(axis=0))  # fmt: skip
+    if len(records):
+        metres = np.where(np.isnan(right), length[:, None], right).mean(axis=0)
+    return Sweep(threshold, shares, metres)
 
 
 def sampled_reliability(records: Records) -> Reliability | None:

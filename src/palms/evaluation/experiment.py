@@ -8,6 +8,7 @@ that was stopped goes on where it was.
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from fnmatch import fnmatchcase
@@ -23,6 +24,7 @@ from palms.evaluation.provenance import machine, versions
 from palms.evaluation.simulation.output import NUISANCES_FILE
 from palms.evaluation.simulation.settings import InertialNoise, VioNoise
 from palms.evaluation.subject import Subject, noise_of, reference_of
+from palms.geometry import FloatArray
 from palms.io import Case, open_dataset
 from palms.io.plan_csv import rooms_path
 from palms.io.truth import TRUTH_FILE
@@ -236,21 +238,21 @@ def run_batch(subject: Subject, batch: Batch, experiment: Experiment) -> list[Re
             "sampled_p_within_1m": min(1.0, stated[0]) if stated else None,
             "sampled_within_1m": stated[1] if stated else None,
         }
-        records.append({**head, **metrics.to_json(), **sampled, "series": series(track, subject)})
+        curves = series(track, answers.off_m(*reference), subject)
+        records.append({**head, **metrics.to_json(), **sampled, "series": curves})
     return records
 
 
-def series(track: Track, subject: Subject) -> dict[str, list[Any]]:
+def series(track: Track, error_m: FloatArray, subject: Subject) -> dict[str, list[Any]]:
     """Return what curves need, about every two metres walked; steps without reference left out."""
     walked = subject.odometry.walked_m
     known = np.flatnonzero(~np.isnan(subject.reference_m).any(axis=1))
     marks = np.arange(0.0, walked[-1] + SERIES_M, SERIES_M)
     chosen = np.unique(known[np.minimum(np.searchsorted(walked[known], marks), len(known) - 1)])
-    error = subject.answers(track).off_m(subject.reference_m, subject.reference_level)
     picked = [track.estimates[i] for i in chosen]
     return {
         "walked_m": _rounded(walked[chosen]),
-        "error_m": _rounded(error[chosen]),
+        "error_m": _rounded(error_m[chosen]),
         "localized": [int(e.is_localized) for e in picked],
         "p1": _rounded([e.p_within_1m for e in picked], 4),
         "p2": _rounded([e.p_within_2m for e in picked], 4),
@@ -260,7 +262,7 @@ def series(track: Track, subject: Subject) -> dict[str, list[Any]]:
 
 
 def _rounded(values: Iterable[float], digits: int = 3) -> list[float | None]:
-    return [round(float(v), digits) if np.isfinite(v) else None for v in values]
+    return [round(v, digits) if math.isfinite(v) else None for v in map(float, values)]
 
 
 def as_results(experiment: Experiment, records: Sequence[Record]) -> dict[str, Any]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import pickle
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +20,7 @@ from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
 from palms.io import Case, RecordedWalk
 from palms.levels import on_atlas
-from palms.localizer import Happening, Track, track_trials
+from palms.localizer import Happening, Track, locate, track_trials
 from palms.odometry import Odometry
 from palms.raster import PlanRaster
 from palms.scan import Scan
@@ -78,7 +80,7 @@ class Subject:
         reference = reference_of(case, walk)
         odometry = walk.odometry("ronin" if source == "ronin" else "arkit")
         noise = noise_of(case, source) if with_noise else None
-        building = _shared(_Levels(case.building()))
+        building = _as_one(case.building())
         told = case.happenings(odometry, building)
         subject = cls(
             case.scene, case.name, building.levels[0], case.scan(), odometry, reference, noise,
@@ -92,17 +94,17 @@ class Subject:
 
     @property
     def _building(self) -> Building:
-        return self.building or _shared(_Levels(Building((self.plan,))))
+        return self.building or _as_one(Building((self.plan,)))
 
     def tracks(self, settings: Settings, seeds: Sequence[int]) -> Iterator[Track]:
         """Yield the track of each seed; only our methods are told more than one scan and plan."""
         settings = replace(settings, answer=replace(settings.answer, hypotheses=0))
-        if not settings.is_ours:
-            lowest = _shared(_Levels(Building((self.plan,))))
-            yield from track_trials(lowest, self.scan, self.odometry, settings, seeds)
-            return
-        told = self.told or self.scan
-        yield from track_trials(self._building, told, self.odometry, settings, seeds)
+        told = _searched(_ByContent(self, pickle.dumps(self, protocol=5)), settings)
+        yield from track_trials(self.known(settings), told, self.odometry, settings, seeds)
+
+    def known(self, settings: Settings) -> Building:
+        """Return the building as a method knows it: all levels, or the lowest alone."""
+        return self._building if settings.is_ours else _as_one(Building((self.plan,)))
 
     @property
     def shown(self) -> FloorPlan:
@@ -186,29 +188,51 @@ def noise_of(case: Case, source: str = "arkit") -> VioNoise | InertialNoise:
     return found.inertial if source == "ronin" else found.vio
 
 
-class _Levels:
-    """A building as a key: two of the same content are one."""
+class _ByContent:
+    """A value as a key: two of the same content are one."""
 
-    def __init__(self, building: Building) -> None:
-        self.building = building
-        self.key = tuple(
-            (
-                plan.level,
-                plan.segments_m.tobytes(),
-                plan.classes.tobytes(),
-                *((room.name, room.polygon_m.tobytes()) for room in plan.rooms),
-            )
-            for plan in building.levels
-        )
+    def __init__(self, value: Any, content: Hashable) -> None:  # noqa: ANN401
+        self.value = value
+        self.content = content
 
     def __hash__(self) -> int:
-        return hash(self.key)
+        return hash(self.content)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Levels) and self.key == other.key
+        return isinstance(other, _ByContent) and self.content == other.content
+
+
+def _as_one(building: Building) -> Building:
+    """Return a building that batches share, with the cells and transforms made of it."""
+    levels = tuple(
+        (
+            plan.level,
+            plan.segments_m.tobytes(),
+            plan.classes.tobytes(),
+            *((room.name, room.polygon_m.tobytes()) for room in plan.rooms),
+        )
+        for plan in building.levels
+    )
+    return _shared(_ByContent(building, levels))
 
 
 @lru_cache(maxsize=2)
-def _shared(levels: _Levels) -> Building:
-    """Return a building that batches share, with the cells and transforms made of it."""
-    return levels.building
+def _shared(building: _ByContent) -> Building:
+    found: Building = building.value
+    return found
+
+
+@lru_cache(maxsize=2)
+def _searched(subject: _ByContent, settings: Settings) -> tuple[Happening, ...]:
+    """Return what a method is told of a walk; its scans are searched for once for all batches."""
+    walk: Subject = subject.value
+    told = (walk.told if settings.is_ours else ()) or (Happening(-np.inf, walk.scan),)
+    if not settings.start.by_scan:
+        return told
+    where = walk.known(settings)
+    return tuple(
+        each._replace(found=locate(where, each.what, settings))
+        if isinstance(each.what, Scan)
+        else each
+        for each in told
+    )

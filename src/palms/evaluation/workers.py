@@ -15,8 +15,8 @@ from typing import Any
 from palms.errors import InputError, PalmsError
 from palms.evaluation.experiment import Batch, Experiment, Record, Subject, run_batch
 from palms.evaluation.journal import Journal
-from palms.evaluation.processes import in_processes
 from palms.io import Case
+from palms.processes import in_processes
 
 __all__ = ["run_experiment"]
 

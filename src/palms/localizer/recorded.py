@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from palms.hints import Hint
 from palms.localizer.live import Localizer, Watcher, ground, locate
 from palms.odometry import Odometry
 from palms.posterior import Posterior
+from palms.processes import in_order, in_processes
 from palms.randomness import RandomKey
 from palms.raster import PlanRaster
 from palms.scan import Scan
@@ -26,6 +28,8 @@ from palms.settings import Settings
 __all__ = ["Happening", "Track", "track", "track_trials"]
 
 SAME_S = 1e-6  # ours: times this near are the same
+SHARE = 30_000_000  # ours: moves of particles, about 2 s; for fewer no process is worth its start
+MOVE = 2000  # ours: what a move costs besides its particles, in particles
 
 
 class Happening(NamedTuple):
@@ -136,7 +140,7 @@ def track_trials(
     settings: Settings,
     seeds: Sequence[int],
     jobs: int = 1,
-) -> Iterator[Track]:
+) -> Generator[Track, None, None]:
     """Yield one track for each seed, in order; each scan is searched for once.
 
     Parameters
@@ -145,23 +149,39 @@ def track_trials(
         As for `track`.
     seeds : sequence of int
     jobs : int
-        Threads; the tracks do not depend on it.
+        Processes at most; the tracks do not depend on it. Little work is done in this one.
+
+    Raises
+    ------
+    PalmsError
+        When a process died.
     """
     where = plan if isinstance(plan, Building) else ground(plan, settings)
     told = _located(where, scan, odometry, settings)
-
-    def follow(seed: int) -> Track:
-        localizer = _localizer(where, odometry, settings, seed)
-        return Track(seed, _followed(localizer, odometry, told))
-
-    if jobs == 1:
-        yield from map(follow, seeds)
+    work = len(seeds) * len(odometry) * (settings.start.n_particles + MOVE)
+    jobs = min(jobs, work // SHARE)
+    if jobs < 2:
+        yield from (_follow(where, odometry, settings, told, seed) for seed in seeds)
         return
-    pool = ThreadPoolExecutor(jobs)
-    try:
-        yield from pool.map(follow, seeds)
-    finally:
-        pool.shutdown(cancel_futures=True)  # whoever leaves early waits for no other trial
+    yield _follow(where, odometry, settings, told, seeds[0])  # compiles loops once, for all
+    run = partial(_numbered, where, odometry, settings, told)
+    with closing(in_processes(run, enumerate(seeds[1:]), jobs, "run it again")) as arriving:
+        yield from in_order(arriving)
+
+
+def _numbered(
+    where: PlanRaster | Building, odometry: Odometry, settings: Settings, told: Sequence[_Told],
+    number: int, seed: int,
+) -> tuple[int, Track]:  # fmt: skip
+    return number, _follow(where, odometry, settings, told, seed)
+
+
+def _follow(
+    where: PlanRaster | Building, odometry: Odometry, settings: Settings, told: Sequence[_Told],
+    seed: int,
+) -> Track:  # fmt: skip
+    localizer = _localizer(where, odometry, settings, seed)
+    return Track(seed, _followed(localizer, odometry, told))
 
 
 class _Told(NamedTuple):
