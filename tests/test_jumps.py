@@ -38,7 +38,7 @@ def with_jump(odometry, at, shift_m, turn_rad=0.0):
     st.floats(-math.pi, math.pi),
 )
 def test_who_moves_as_people_do_never_jumps(legs, heading):
-    pace = Pace()
+    pace = Pace(0.0)
     for speed, seconds in legs:
         dx, dy = (speed * seconds * f(heading) for f in (math.cos, math.sin))
         pace = pace.after(Move(0.0, dx, dy, None, seconds), JUMP)
@@ -49,7 +49,7 @@ def test_who_moves_as_people_do_never_jumps(legs, heading):
 def test_a_jump_is_one_in_any_number_of_slices(beyond_m, lasts_s, slices):
     """The share of it that is taken for the phone's is no more than the slack and one slice."""
     length = JUMP.slack_m + JUMP.speed_m_s * lasts_s + beyond_m
-    pace, believed = Pace(), 0.0
+    pace, believed = Pace(0.0), 0.0
     for _ in range(slices):
         pace = pace.after(Move(0.0, length / slices, 0.0, None, lasts_s / slices), JUMP)
         believed += 0.0 if pace.jumps else length / slices
@@ -63,6 +63,28 @@ def test_the_velocity_is_that_before_the_jump():
     assert pace.velocity_m_s == (1.2, -0.4)
     assert pace.after(Move(0.0, 30.0, 0.0, None, 0.5), JUMP).velocity_m_s == (1.2, -0.4)
     assert pace.after(Move(0.0, 0.0, 0.0, None, 0.0), JUMP).velocity_m_s == (1.2, -0.4)
+
+
+def test_nobody_knows_how_long_the_first_move_took():
+    """A log may begin far from where the session did, at the time 0."""
+    first = Odometry([0.0, 0.5, 1.0], [[6.0, 2.0], [6.6, 2.0], [26.0, 2.0]])
+    assert [move.time_s for move in jumps_of(first, JUMP)] == [1.0]
+    localizer = Localizer(PLAN, OURS, rng=1)
+    localizer.observe(scan_at_start())
+    before = localizer.estimate.position_m
+    way = 2.0 * math.cos(DRIFT), -2.0 * math.sin(DRIFT)  # east on the map
+    localizer.move(Move(0.0, *way))
+    assert localizer.estimate.position_m - before == pytest.approx([2.0, 0.0], abs=0.3)
+
+
+def test_a_new_frame_begins_anew():
+    localizer = Localizer(PLAN, OURS, rng=1)
+    localizer.observe(scan_at_start())
+    localizer.move(Move(0.5, 0.3, 0.0))
+    localizer.restart()
+    size = len(localizer.belief.particles)
+    localizer.move(Move(0.5, 3.0, 0.0))
+    assert len(localizer.belief.particles) == size  # a jump mixes what stays with what moved
 
 
 def after_jump(shift_m, duration_s=0.5, before=Pace(), conditions=CONDITIONS):  # noqa: B008

@@ -35,6 +35,7 @@ class Pace(NamedTuple):
     Attributes
     ----------
     ahead_m : float
+        Minus infinity before the first move: nobody knows when that one began.
     jumps : bool
         Whether the latest move was too fast.
     velocity_m_s : (float, float)
@@ -49,13 +50,13 @@ class Pace(NamedTuple):
 
     A jump in slices is one, too.
 
-    >>> pace = Pace()
+    >>> pace = Pace(0.0)
     >>> sum((pace := pace.after(Move(k / 60, 0.3, 0.0, None, 1 / 60), settings)).jumps
     ...     for k in range(60))
     56
     """
 
-    ahead_m: float = 0.0
+    ahead_m: float = -math.inf
     jumps: bool = False
     velocity_m_s: tuple[float, float] = (0.0, 0.0)
 

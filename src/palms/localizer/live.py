@@ -219,6 +219,7 @@ class Localizer:
         if not away_s >= 0:
             raise InputError("time away", expected="0 s or more", got=f"{away_s:g} s")
         self._heading, self._sighting, self._new_frame = None, None, 0.0
+        self._pace = Pace()
         self._step += 1
         if self.belief is None or not self.settings.is_ours:
             self.belief, self.estimate = None, Estimate(self.estimate.time_s)
