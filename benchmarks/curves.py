@@ -139,7 +139,7 @@ def _linear(axes: Any, curve: Curve) -> None:
     line = curve.time_ms[-1] * (size / size[-1]) ** (2 if plan else 1)
     axes.loglog(size, line, color=MUTED, linewidth=0.7, zorder=0)
     word = "linear in cells" if plan else "linear"
-    axes.annotate(word, (size[-2], line[-2]), (6, -9), textcoords="offset points", color=INK,
+    axes.annotate(word, (size[-2], line[-2]), (10, -20), textcoords="offset points", color=INK,
                   fontsize=7)  # fmt: skip
 
 
