@@ -63,6 +63,7 @@ def test_the_velocity_is_that_before_the_jump():
     assert pace.velocity_m_s == (1.2, -0.4)
     assert pace.after(Move(0.0, 30.0, 0.0, None, 0.5), JUMP).velocity_m_s == (1.2, -0.4)
     assert pace.after(Move(0.0, 0.0, 0.0, None, 0.0), JUMP).velocity_m_s == (1.2, -0.4)
+    assert pace.after(Move(0.0, 0.3, 0.0, None, 1 / 60), JUMP).velocity_m_s == (1.2, -0.4)
 
 
 def test_nobody_knows_how_long_the_first_move_took():
@@ -146,6 +147,20 @@ def test_where_it_is_stays_known(way, turn_rad):
     assert error[at:].max() < 2.0
     assert all(each.p_within_2m > 0.5 for each in found.estimates[at:])
     assert [move.time_s for move in jumps_of(odometry, JUMP)] == [odometry.time_s[at]]
+
+
+def test_a_jump_in_slices_takes_no_more_than_the_slack_along():
+    """Fifteen metres in half a second, at sixty samples a second."""
+    localizer = Localizer(PLAN, OURS, rng=2)
+    localizer.observe(scan_at_start())
+    for move in walk(STEPS[:30], DRIFT).moves():
+        localizer.move(move)
+    assert localizer.estimate.is_localized
+    before, time_s = localizer.estimate.position_m, localizer.estimate.time_s
+    for k in range(1, 31):
+        localizer.move(Move(time_s + k / 60, 0.3, -0.4))
+    assert np.linalg.norm(localizer.estimate.position_m - before) < JUMP.slack_m + 0.7
+    assert localizer.estimate.p_within_2m > 0.5
 
 
 def test_the_heading_is_that_of_the_last_move_of_the_phone():

@@ -39,7 +39,7 @@ class Pace(NamedTuple):
     jumps : bool
         Whether the latest move was too fast.
     velocity_m_s : (float, float)
-        Of the latest move that was not, odom frame.
+        Of the latest move that people make, odom frame.
 
     Examples
     --------
@@ -63,12 +63,12 @@ class Pace(NamedTuple):
     def after(self, move: Move, settings: JumpSettings) -> Pace:
         """Return the pace after a move, whose duration is known."""
         seconds = move.duration_s or 0.0
-        ahead_m = max(self.ahead_m + move.length_m - settings.speed_m_s * seconds, 0.0)
-        if ahead_m > settings.slack_m:
-            return Pace(settings.slack_m, True, self.velocity_m_s)
-        if seconds <= 0:
-            return Pace(ahead_m, False, self.velocity_m_s)
-        return Pace(ahead_m, False, (move.dx_m / seconds, move.dy_m / seconds))
+        beyond_m = move.length_m - settings.speed_m_s * seconds
+        ahead_m = max(self.ahead_m + beyond_m, 0.0)
+        velocity = self.velocity_m_s
+        if seconds > 0 and beyond_m <= 0:
+            velocity = (move.dx_m / seconds, move.dy_m / seconds)
+        return Pace(min(ahead_m, settings.slack_m), ahead_m > settings.slack_m, velocity)
 
 
 def jumps_of(odometry: Odometry, settings: JumpSettings) -> list[Move]:
@@ -117,12 +117,12 @@ def jumped(
     index = resample_systematic(belief.particles.weight, n, key.child(_DRAW))
     kept = belief.particles.take(index, np.full(n, 1 / n))
     kept = _walked_on(kept, duration_s, pace.velocity_m_s, conditions, key)
-    if not pace.jumps:
+    if not pace.jumps:  # once, not in each slice
         kept = _turned(kept, settings.jump, key)
-    real = settings.jump.real_share * math.exp(min(info.evidence, 0.0))
-    wider = mixed(kept, moved, real / (1 - settings.jump.real_share + real))
+        real = settings.jump.real_share * math.exp(min(info.evidence, 0.0))
+        kept = mixed(kept, moved, real / (1 - settings.jump.real_share + real))
     doubt = max(belief.doubt, settings.declaration.doubt_at_start)
-    return judge(replace(belief, doubt=doubt), wider, settings.declaration)
+    return judge(replace(belief, doubt=doubt), kept, settings.declaration)
 
 
 def _walked_on(
