@@ -1,8 +1,15 @@
-"""Names the skipped tests at the end of a run, so that nobody overlooks them."""
+"""Properties are tried on the same examples each time; skipped tests are named at the end.
+
+For other examples: ``pytest --hypothesis-profile default``.
+"""
 
 from __future__ import annotations
 
 import pytest
+from hypothesis import settings
+
+settings.register_profile("same", derandomize=True)
+settings.load_profile("same")
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -46,15 +46,15 @@ def test_coverage_counts_as_seen_where_it_is_a_number():
 
 
 WALLS = arrays(np.float64, st.tuples(st.integers(1, 6), st.just(2), st.just(2)),
-               elements=st.floats(-9, 9).map(lambda v: round(v, 2)))  # fmt: skip
+               elements=st.floats(-7, 7).map(lambda v: round(v, 2)))  # fmt: skip
 
 
 @given(WALLS, st.integers(-35, 35))
 def test_gaps_turn_with_the_scan_and_fill_no_more_than_the_circle(walls, turn):
     long = np.linalg.norm(walls[:, 1] - walls[:, 0], axis=1) > 0.2
     away = distance_to_segments(np.zeros(2), walls).min()
-    if not long.any() or not 0.5 <= away < 10:
-        return  # a wall through the observation point is seen from no side; far ones are refused
+    if not long.any() or away < 0.5:
+        return  # a wall through the observation point is seen from no side
     view = view_of(Scan(walls))
     assert 0 <= view.unseen <= 1 + 1e-9
     assert all(gap.width_rad >= LEAST_GAP_RAD - 1e-9 for gap in view.gaps)
