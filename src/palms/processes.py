@@ -14,7 +14,7 @@ import traceback
 from collections.abc import Callable, Generator, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import islice
-from multiprocessing import get_context, parent_process
+from multiprocessing import get_context, parent_process, resource_tracker
 from multiprocessing.connection import wait
 from multiprocessing.process import BaseProcess
 from threading import Thread
@@ -102,7 +102,7 @@ def _start(run: Run) -> tuple[Any, BaseProcess]:
     context = get_context("spawn")
     here, there = context.Pipe()
     process = context.Process(target=_serve, args=(there, _packed(run)), daemon=True)
-    with _nothing_to_run_again():
+    with _nothing_to_run_again(), _deaf_to_interrupts():
         process.start()
     there.close()
     return here, process
@@ -117,6 +117,20 @@ def _nothing_to_run_again() -> Iterator[None]:
         yield
     finally:
         sys.modules["__main__"] = script
+
+
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """Let a new process hear no Ctrl-C from its first moment on; this one hears it afterwards."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
+    resource_tracker.ensure_running()  # its own start lets interrupts in again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _packed(value: object) -> bytes:
