@@ -18,7 +18,7 @@ from palms.declaration import judge
 from palms.geometry import rotate_each
 from palms.odometry import Move, Odometry
 from palms.particles import MoveInfo, Particles, resample_systematic
-from palms.population import mixed
+from palms.population import mixed, shifted_m
 from palms.randomness import RandomKey
 from palms.recovery import Conditions
 from palms.restart import spread_m
@@ -137,15 +137,13 @@ def _walked_on(
     Given where somebody walks now, the place after a while is as likely as any walker's
     (`spread_m`) to whom so much of the way is known.
     """
-    raster, walk = conditions.raster, conditions.settings.restart
+    walk = conditions.settings.restart
     known = math.exp(-duration_s / walk.leg_s)
     z = np.empty((len(particles), 2))
     loops.normals(key.child(_WALK).word, 2, z)
     ahead = known * duration_s * rotate_each(np.array(velocity_m_s), particles.drift_rad)
     spread = spread_m(duration_s, walk) * math.sqrt(1 - known * known)
-    there = particles.position_m + ahead + spread * z
-    blocked = raster.blocked(particles.position_m, there)
-    there[blocked] = particles.position_m[blocked]
+    there = shifted_m(particles, ahead + spread * z, conditions.raster)
     return replace(particles, position_m=there)
 
 

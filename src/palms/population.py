@@ -29,7 +29,7 @@ from palms.randomness import RandomKey
 from palms.raster import PlanRaster
 from palms.settings import ResamplingSettings, Settings
 
-__all__ = ["adapted", "anywhere", "drawn", "mixed", "pushed", "start_posterior"]
+__all__ = ["adapted", "anywhere", "drawn", "mixed", "pushed", "shifted_m", "start_posterior"]
 
 _JUDGE, _SPARE, _ADAPT, _JITTER = 11, 12, 13, 14  # purposes of random numbers
 DUST = 1e-3  # ours: a particle of less than this of its fair weight occupies no bin
@@ -188,6 +188,14 @@ def _by_root(
     return index, left / by_weight.moments(left)[0]
 
 
+def shifted_m(particles: Particles, by_m: FloatArray, raster: PlanRaster) -> FloatArray:
+    """Return positions (N, 2) shifted by (N, 2); those stay that would go through a wall."""
+    there: FloatArray = particles.position_m + by_m
+    blocked = raster.blocked(particles.position_m, there)
+    there[blocked] = particles.position_m[blocked]
+    return there
+
+
 def _jittered(
     particles: Particles, raster: PlanRaster, settings: ResamplingSettings, key: RandomKey
 ) -> Particles:
@@ -196,11 +204,8 @@ def _jittered(
     z = np.empty((n, 4))
     loops.normals(key.child(_JITTER).word, 4, z)
     spread_m = settings.jitter_m * min(1.0, math.sqrt(settings.min_particles / n))
-    position = particles.position_m + spread_m * z[:, :2]
-    blocked = raster.blocked(particles.position_m, position)
-    position[blocked] = particles.position_m[blocked]
     return replace(
-        particles, position_m=position,
+        particles, position_m=shifted_m(particles, spread_m * z[:, :2], raster),
         drift_rad=particles.drift_rad + settings.jitter_rad * z[:, 2],
         scale=particles.scale + settings.jitter_scale * z[:, 3],
     )  # fmt: skip
