@@ -123,7 +123,7 @@ def test_the_frame_may_have_turned_but_once():
 
 def test_somebody_may_be_that_fast_unless_walls_object():
     belief, key = sure(), as_key(5)
-    conditions = Conditions(RASTER, OURS, OURS.motion, False)
+    conditions = Conditions(RASTER, OURS, False)
     share = []
     for evidence in (0.0, -3.5):
         there = np.tile([17.0, 9.5], (len(belief.particles), 1))

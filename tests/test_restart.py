@@ -28,7 +28,7 @@ from tests.worlds import seen_from, walk
 
 OURS = Settings().with_particles(8000)
 RASTER = rasterize(PLAN)
-CONDITIONS = Conditions(RASTER, OURS, OURS.motion, False)
+CONDITIONS = Conditions(RASTER, OURS, False)
 KEY = as_key(3)
 
 
@@ -92,8 +92,8 @@ def test_the_longer_away_the_wider_and_always_inside(away_s):
 
 def test_few_particles_for_many_places_are_a_reason_to_doubt():
     before = sure()
-    few = Conditions(RASTER, OURS.with_particles(1000), OURS.motion, False)
-    many = Conditions(RASTER, OURS.with_particles(60_000), OURS.motion, False)
+    few = Conditions(RASTER, OURS.with_particles(1000), False)
+    many = Conditions(RASTER, OURS.with_particles(60_000), False)
     one, two = (reframed(before, 2.0, each, KEY) for each in (few, many))
     assert one[1] > two[1] > 0
     assert one[0].doubt > two[0].doubt
@@ -102,7 +102,7 @@ def test_few_particles_for_many_places_are_a_reason_to_doubt():
 
 def test_levels_are_kept_and_stairs_may_have_been_taken():
     atlas = HOUSE.atlas
-    conditions = Conditions(atlas.raster(OURS.raster), OURS, OURS.motion, False, atlas)
+    conditions = Conditions(atlas.raster(OURS.raster), OURS, False, atlas)
     off, on = sure((4.0, 6.0)), sure((10.0, 9.5))
     for before, most in ((off, 0.05), (on, 0.6)):
         p = reframed(before, 8.0, conditions, KEY)[0].particles

@@ -1,8 +1,14 @@
-"""Hints: what somebody says of where the phone is, soft and perhaps wrong."""
+"""Hints: what somebody says of where the phone is, soft and perhaps wrong.
+
+A hint of a place fades as the phone walks on, since walls have spoken meanwhile
+(docs/explanation/filter.md).
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -10,11 +16,35 @@ import numpy.typing as npt
 from palms.building import Atlas
 from palms.errors import InputError
 from palms.geometry import FloatArray, check_finite
+from palms.particles import Particles, reweight
 from palms.raster import PlanRaster
+from palms.settings import HintSettings
 
-__all__ = ["Hint"]
+__all__ = ["Hint", "Said", "faded", "heard"]
 
 MARGIN_M = 1.0  # ours: in a room is also at its door
+SPENT_NATS = 0.01  # ours: a hint that says less than this is forgotten
+
+
+class Said(NamedTuple):
+    """What a hint says about places.
+
+    Attributes
+    ----------
+    ratio : (N,)
+        How much more it speaks for each of them than for any place.
+    fading_nats : (N,)
+        Logarithm of what of that fades: all but the level, which walls cannot tell.
+    """
+
+    ratio: FloatArray
+    fading_nats: FloatArray
+
+    def split(self, n: int) -> tuple[Said, Said]:
+        """Return what it says about the first n places, and about the others."""
+        return Said(self.ratio[:n], self.fading_nats[:n]), Said(
+            self.ratio[n:], self.fading_nats[n:]
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,6 +127,14 @@ class Hint:
         inside, outside = self.probability / share, (1 - self.probability) / (1 - share)
         return np.where(self._holds(position_m, raster, atlas), inside, outside)
 
+    def says(self, position_m: FloatArray, raster: PlanRaster, atlas: Atlas | None = None) -> Said:
+        """Return what it says about positions (N, 2), and what of that fades; see `ratio`."""
+        ratio = self.ratio(position_m, raster, atlas)
+        if self.level is None:
+            return Said(ratio, np.log(ratio))
+        lasting = replace(self, place_m=None, room=None).ratio(position_m, raster, atlas)
+        return Said(ratio, np.log(ratio / lasting))
+
     def _words(self) -> str:
         place = None if self.place_m is None else "{:g}, {:g}".format(*self.place_m)
         said = {"place": place, "room": self.room, "level": self.level}
@@ -142,3 +180,30 @@ def _in_room(name: str, position_m: FloatArray, raster: PlanRaster) -> npt.NDArr
     area = shapely.union_all([shapely.Polygon(r.polygon_m) for r in rooms]).buffer(MARGIN_M)
     shapely.prepare(area)
     return np.asarray(shapely.contains_xy(area, position_m[:, 0], position_m[:, 1]))
+
+
+def heard(particles: Particles, said: Said) -> tuple[Particles, float]:
+    """Weigh particles by a hint; return the logarithm of the share that they kept, too."""
+    before = 0.0 if particles.hint_nats is None else particles.hint_nats
+    weighed, kept = reweight(particles, said.ratio)
+    return replace(weighed, hint_nats=before + said.fading_nats), kept
+
+
+def faded(particles: Particles, walked_m: float, settings: HintSettings) -> Particles:
+    """Take back some of what hints said, after some metres.
+
+    Examples
+    --------
+    >>> two = Particles([[0, 0], [9, 0]], [0, 0], [1, 1], [0, 0], [0.5, 0.5])
+    >>> told, _ = heard(two, Said(np.array([4.0, 1.0]), np.log([4.0, 1.0])))
+    >>> settings = HintSettings(fade_m=20.0)
+    >>> later = faded(told, settings.fade_m * math.log(2), settings)
+    >>> told.weight.round(3).tolist(), later.weight.round(3).tolist()
+    ([0.8, 0.2], [0.667, 0.333])
+    """
+    if particles.hint_nats is None:
+        return particles
+    left = math.exp(-walked_m / settings.fade_m) * particles.hint_nats
+    weighed, _ = reweight(particles, np.exp(left - particles.hint_nats))
+    spent = float(np.abs(left).max()) < SPENT_NATS
+    return replace(weighed, hint_nats=None if spent else left)

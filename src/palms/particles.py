@@ -40,6 +40,7 @@ _PLACE, _DRIFT, _MOVE, _COPY, _RESAMPLE, _THIN, _SCALE = 0, 1, 2, 3, 4, 5, 7  # 
 _FIELDS = (
     ("position_m", np.float64), ("drift_rad", np.float64), ("scale", np.float64),
     ("label", np.int32), ("weight", np.float64), ("drift_rate_rad_per_s", np.float64),
+    ("leg_scale", np.float64), ("hint_nats", np.float64),
 )  # fmt: skip
 
 
@@ -61,6 +62,11 @@ class Particles:
         Sum 1.
     drift_rate_rad_per_s : (N,), optional
         Steady turn of the walk's frame; None where it does not turn.
+    leg_scale : (N,), optional
+        By so much is the scale of the leg that is walked now larger than the walk's; None
+        where all legs have one scale.
+    hint_nats : (N,), optional
+        What hints say for each of them and has not faded yet; None where nobody said anything.
 
     Examples
     --------
@@ -75,6 +81,8 @@ class Particles:
     label: npt.NDArray[np.int32]
     weight: FloatArray
     drift_rate_rad_per_s: FloatArray | None = None
+    leg_scale: FloatArray | None = None
+    hint_nats: FloatArray | None = None
 
     def __post_init__(self) -> None:
         for name, dtype in _FIELDS:
@@ -135,10 +143,10 @@ class Particles:
 
     def take(self, index: npt.NDArray[np.int64], weight: FloatArray) -> Particles:
         """Return some of them, by index (M,), with new weights (M,)."""
-        rate = self.drift_rate_rad_per_s
+        may_be = (self.drift_rate_rad_per_s, self.leg_scale, self.hint_nats)
         return Particles(
             self.position_m[index], self.drift_rad[index], self.scale[index], self.label[index],
-            weight, None if rate is None else rate[index],
+            weight, *(None if each is None else each[index] for each in may_be),
         )  # fmt: skip
 
     def turned_rad(self, duration_s: float) -> FloatArray:
@@ -148,6 +156,15 @@ class Particles:
         turned: FloatArray = self.drift_rad + duration_s * self.drift_rate_rad_per_s
         turned.setflags(write=False)  # one kind of array for the loop that takes it
         return turned
+
+    @property
+    def scale_now(self) -> FloatArray:
+        """Metres walked per metre of odometry (N,), on the leg that is walked now."""
+        if self.leg_scale is None:
+            return self.scale
+        scale: FloatArray = self.scale + self.leg_scale
+        scale.setflags(write=False)  # as in `turned_rad`
+        return scale
 
     def label_shares(self) -> FloatArray:
         """Share of the weight that each label holds."""
@@ -257,6 +274,8 @@ def advance(
     info : MoveInfo
     """
     scheme = "survivors" if resampling is None else resampling.scheme
+    if settings.leg_scale_sd > 0:
+        particles = _on_its_leg(particles, move.length_m, settings, key)
     noise = move_noise(move.length_m, settings, move.duration_s or 0.0)
     position, drift, hit, n_hit = _moved(particles, move, raster, noise, key)
     n, scale, label = len(hit), particles.scale, particles.label
@@ -266,16 +285,14 @@ def advance(
         copying = key.child(_COPY).word
         loops.replace_hits(position, drift, scale, label, hit, spread, copying, raster.walls)
     moved = Particles(
-        position, drift, scale, label, particles.weight, particles.drift_rate_rad_per_s
-    )
+        position, drift, scale, label, particles.weight, particles.drift_rate_rad_per_s,
+        particles.leg_scale, particles.hint_nats,
+    )  # fmt: skip
     if scheme == "survivors":
         return moved, MoveInfo(n_hit, n - n_hit, effective_sample_size(moved.weight))
     moved, kept = reweight(moved, np.where(hit, settings.hit_weight, 1.0))
     if scheme == "every-step":
         moved = _resample_all(moved, settings, key)
-    elif settings.scale_per_sqrt_m > 0:
-        spread_m = settings.scale_per_sqrt_m * math.sqrt(move.length_m)
-        moved = replace(moved, scale=moved.scale + spread_m * _normals(n, key.child(_SCALE)))
     return moved, MoveInfo(n_hit, n - n_hit, effective_sample_size(moved.weight), kept)
 
 
@@ -286,11 +303,22 @@ def _moved(
     n = len(particles)
     position, drift, hit = np.empty((n, 2)), np.empty(n), np.empty(n, np.bool_)
     n_hit = loops.move(
-        particles.position_m, particles.turned_rad(move.duration_s or 0.0), particles.scale,
+        particles.position_m, particles.turned_rad(move.duration_s or 0.0), particles.scale_now,
         (move.dx_m, move.dy_m), tuple(noise), key.child(_MOVE).word, raster.walls,
         position, drift, hit,
     )  # fmt: skip
     return position, drift, hit, n_hit
+
+
+def _on_its_leg(
+    particles: Particles, length_m: float, settings: MotionSettings, key: RandomKey
+) -> Particles:
+    """Let the scale of the leg wander: back to the walk's, and anew (Uhlenbeck, Ornstein 1930)."""
+    kept = math.exp(-length_m / settings.leg_m)
+    anew = settings.leg_scale_sd * math.sqrt(1 - kept * kept)
+    z = _normals(len(particles), key.child(_SCALE))
+    before = 0.0 if particles.leg_scale is None else kept * particles.leg_scale
+    return replace(particles, leg_scale=before + anew * z)
 
 
 def reweight(particles: Particles, factor: npt.ArrayLike) -> tuple[Particles, float]:
@@ -360,6 +388,9 @@ def with_scales(particles: Particles, settings: MotionSettings, key: RandomKey) 
     if settings.drift_rate_rad_per_s > 0:
         rate = settings.drift_rate_rad_per_s * _normals(n, key.child(_SCALE, 1))
         particles = replace(particles, drift_rate_rad_per_s=rate)
+    if settings.leg_scale_sd > 0:
+        leg = settings.leg_scale_sd * _normals(n, key.child(_SCALE, 2))
+        particles = replace(particles, leg_scale=leg)
     return particles
 
 

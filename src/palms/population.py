@@ -112,17 +112,17 @@ def mixed(belief: Particles, others: Particles, share: float) -> Particles:
         np.concatenate([belief.scale, others.scale]),
         np.concatenate([belief.label, others.label]),
         np.concatenate([(1 - share) * belief.weight, share * others.weight]),
-        _rates(belief, others),
+        _joined(*((each.drift_rate_rad_per_s, len(each)) for each in (belief, others))),
+        _joined(*((each.leg_scale, len(each)) for each in (belief, others))),
+        _joined(*((each.hint_nats, len(each)) for each in (belief, others))),
     )
 
 
-def _rates(belief: Particles, others: Particles) -> FloatArray | None:
-    """Steady turns of two populations; 0 for one that has none."""
-    rates = [each.drift_rate_rad_per_s for each in (belief, others)]
-    if all(rate is None for rate in rates):
+def _joined(*parts: tuple[FloatArray | None, int]) -> FloatArray | None:
+    """Join what populations of some sizes have; 0 for one that has none."""
+    if all(have is None for have, _ in parts):
         return None
-    n = len(belief), len(others)
-    return np.concatenate([np.zeros(n[k]) if r is None else r for k, r in enumerate(rates)])
+    return np.concatenate([np.zeros(n) if have is None else have for have, n in parts])
 
 
 def pushed(found: Posterior, n: int, moved_m: FloatArray, key: RandomKey) -> Particles:

@@ -12,14 +12,14 @@ from palms.building import Atlas
 from palms.declaration import doubted, judge
 from palms.geometry import FloatArray, rotate_each
 from palms.grid import Grid
-from palms.hints import Hint
+from palms.hints import Hint, heard
 from palms.observation import log_likelihood
 from palms.particles import Particles, reweight, with_scales
 from palms.population import adapted, anywhere, mixed, pushed, start_posterior
 from palms.posterior import Posterior
 from palms.randomness import RandomKey
 from palms.raster import PlanRaster
-from palms.settings import MotionSettings, Settings
+from palms.settings import Settings
 
 __all__ = ["Conditions", "Sighting", "look_again", "look_elsewhere", "take_hint"]
 
@@ -36,7 +36,6 @@ class Conditions(NamedTuple):
     ----------
     raster : PlanRaster
     settings : Settings
-    motion : MotionSettings
         For the phone's kind of odometry.
     own_frame : bool
         Whether the odometry's frame is not the scan's.
@@ -46,7 +45,6 @@ class Conditions(NamedTuple):
 
     raster: PlanRaster
     settings: Settings
-    motion: MotionSettings
     own_frame: bool
     atlas: Atlas | None = None
 
@@ -93,14 +91,14 @@ def _others(
     particles: Particles, sighting: Sighting | None, conditions: Conditions, key: RandomKey
 ) -> Particles:
     """Other places: anywhere with the drifts that are known, and what the latest scan said."""
-    raster, settings, motion, own_frame, _ = conditions
+    raster, settings, own_frame, _ = conditions
     n = max(1, settings.start.n_particles // 2)
     turns = particles.drift_rad[:: max(1, len(particles) // N_TURNS)]
     others = anywhere(raster, n, turns, TURN_RAD, key.child(0))
     if sighting is not None and not own_frame:
         seen = pushed(sighting.found, n, sighting.moved_m, key.child(1))
         others = mixed(others, seen, 0.5)
-    return with_scales(others, motion, key.child(2))
+    return with_scales(others, settings.motion, key.child(2))
 
 
 def take_hint(
@@ -121,9 +119,9 @@ def take_hint(
     if hint.level is not None and conditions.atlas is not None:
         others = mixed(others, _moved(belief.particles, hint.level, conditions.atlas), 0.5)
     places = np.concatenate([belief.particles.position_m, others.position_m])
-    ratio = hint.ratio(places, raster, conditions.atlas)
-    particles, kept = reweight(belief.particles, ratio[:n])
-    others, _ = reweight(others, ratio[n:])
+    of_belief, of_others = hint.says(places, raster, conditions.atlas).split(n)
+    particles, kept = heard(belief.particles, of_belief)
+    others, _ = heard(others, of_others)
     doubt = doubted(belief.doubt, kept, settings.declaration)
     left = max(doubt * (1 - hint.probability), settings.declaration.doubt_floor)
     wider = adapted(
@@ -156,12 +154,12 @@ def look_again(
     conditions : Conditions
     key : RandomKey
     """
-    raster, settings, motion, own_frame, _ = conditions
+    raster, settings, own_frame, _ = conditions
     observation, declaration = settings.observation, settings.declaration
     particles, kept = reweight(belief.particles, _ratio(belief.particles, sighting, conditions))
     doubt = doubted(belief.doubt, kept, declaration)
     others = start_posterior(sighting.found, raster, settings, key, own_frame)
-    others = with_scales(carried(others, sighting.moved_m), motion, key)
+    others = with_scales(carried(others, sighting.moved_m), settings.motion, key)
     wider = adapted(
         mixed(particles, others, doubt), raster, settings.resampling,
         settings.start.n_particles, key,

@@ -76,7 +76,7 @@ def reframed(
     nats : float
         By which its doubt grew, because its particles are few for so many places and drifts.
     """
-    raster, settings, motion, _, atlas = conditions
+    raster, settings, _, atlas = conditions
     n = settings.start.n_particles
     index = resample_systematic(belief.particles.weight, n, key.child(_DRAW))
     kept = _walked_on(belief.particles.take(index, np.full(n, 1 / n)), away_s, conditions, key)
@@ -87,7 +87,7 @@ def reframed(
     if gone > 0:
         others = anywhere(raster, max(1, n // 4), None, 0.0, key.child(_ELSEWHERE))
         kept = mixed(kept, others, gone)
-    kept = with_scales(kept, motion, key.child(_SCALE))
+    kept = with_scales(kept, settings.motion, key.child(_SCALE))
     declaration = settings.declaration
     doubt = max(belief.doubt, declaration.doubt_at_start)
     lost = _lost_share(kept, settings.resampling)
@@ -163,7 +163,7 @@ def taken_up(belief: Belief, sighting: Sighting, conditions: Conditions, key: Ra
     conditions : Conditions
     key : RandomKey
     """
-    raster, settings, motion, _, _ = conditions
+    raster, settings, _, _ = conditions
     found, said = sighting.found, 1 - settings.observation.elsewhere
     weight = np.exp(found.log_weight)
     before = _times_even(belief.particles, _phone_m(sighting), raster)
@@ -175,7 +175,7 @@ def taken_up(belief: Belief, sighting: Sighting, conditions: Conditions, key: Ra
     weighed = weight * (belief.doubt + (1 - belief.doubt) * before)
     judged = replace(found, log_weight=np.log(np.maximum(weighed / mean, 1e-300)))
     seen = carried(drawn(judged, settings.start.n_particles, key.child(_DRAW)), sighting.moved_m)
-    seen = with_scales(seen, motion, key.child(_SCALE))
+    seen = with_scales(seen, settings.motion, key.child(_SCALE))
     silent = (1 - said) / (1 - said + said * mean)
     wider = adapted(
         mixed(seen, belief.particles, silent), raster, settings.resampling,

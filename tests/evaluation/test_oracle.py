@@ -283,12 +283,11 @@ def test_an_inertial_walk_is_told_as_inertial_noise():
     noise = InertialNoise(0.001, 0.05, 1.0, 0.06, 0.08, 10.0)
     found = oracle_settings(noise)
     assert found.motion == Settings().motion
-    told = found.motion_for("inertial")
+    told = found.for_odometry("inertial").motion
     assert told.direction_rad * told.step_m == pytest.approx(0.05 * told.step_m**0.5)
     assert told.drift_rate_rad_per_s == 0.001
-    assert told.scale_sd == pytest.approx(0.1)
-    wandered = told.scale_per_sqrt_m * 10**0.5  # over a leg as far as between two legs
-    assert wandered == pytest.approx(0.08 * 2**0.5)
+    assert (told.scale_sd, told.leg_scale_sd) == (0.06, 0.08)
+    assert 2 * told.leg_m == 10.0  # as far off after many legs: see test_particles
     shared = Experiment(sample_folder(), ("oracle",), walk_source="ronin").settings_json("oracle")
     assert shared["inertial"]["scale_sd"] == "of the case"
     assert shared["motion"]["scale_sd"] == Settings().motion.scale_sd

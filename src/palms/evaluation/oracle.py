@@ -83,8 +83,9 @@ def _inertial(motion: MotionSettings, noise: InertialNoise) -> MotionSettings:
         drift_rate_rad_per_s=noise.rate_sd_rad_per_s,
         jitter_m=0.0,
         scaling="distance",
-        scale_sd=min(math.hypot(noise.scale_sd, noise.leg_scale_sd), 0.3),
-        scale_per_sqrt_m=noise.leg_scale_sd * math.sqrt(2 / noise.leg_m),
+        scale_sd=min(noise.scale_sd, 0.3),
+        leg_scale_sd=min(noise.leg_scale_sd, 0.3),
+        leg_m=noise.leg_m / 2,
     )
 
 

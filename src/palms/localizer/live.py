@@ -16,7 +16,7 @@ from palms.errors import InputError
 from palms.floorplan import FloorPlan
 from palms.geometry import FloatArray
 from palms.heatmap import Candidates, find_candidates, match, scan_drifts
-from palms.hints import Hint
+from palms.hints import Hint, faded, heard
 from palms.jumps import Pace, jumped
 from palms.levels import climbed, on_levels
 from palms.odometry import Move
@@ -25,7 +25,6 @@ from palms.particles import (
     MoveInfo,
     Particles,
     advance,
-    reweight,
     start_everywhere,
     start_from,
     with_scales,
@@ -115,7 +114,7 @@ class Localizer:
         watch: Watcher | None = None,
         source: Literal["vio", "inertial"] = "vio",
     ) -> None:
-        self.settings = settings or Settings()
+        self.settings = (settings or Settings()).for_odometry(source)
         self.raster = ground(plan, self.settings)
         self.atlas = plan.atlas if isinstance(plan, Building) and len(plan.levels) > 1 else None
         self.estimate = Estimate(0.0)
@@ -125,8 +124,7 @@ class Localizer:
         self._step = 0
         self._heading: float | None = None
         self._waiting: list[Move] = []
-        motion = self.settings.motion_for(source)
-        self._conditions = Conditions(self.raster, self.settings, motion, own_frame, self.atlas)
+        self._conditions = Conditions(self.raster, self.settings, own_frame, self.atlas)
         self._sighting: Sighting | None = None
         self._hints: list[Hint] = []
         self._arrived = False  # on a level that was told, and not off its stairs since
@@ -251,12 +249,12 @@ class Localizer:
             self._begin(start_everywhere(self.raster, self._n, self._key.child(_START)))
 
     def _begin(self, particles: Particles) -> Estimate:
-        particles = with_scales(particles, self._conditions.motion, self._key.child(_START))
+        particles = with_scales(particles, self.settings.motion, self._key.child(_START))
         self.belief = Belief(particles)
         if self.settings.is_ours:
             for hint in self._hints:
-                ratio = hint.ratio(particles.position_m, self.raster, self.atlas)
-                particles, _ = reweight(particles, ratio)
+                said = hint.says(particles.position_m, self.raster, self.atlas)
+                particles, _ = heard(particles, said)
             self._hints.clear()
             declaration = self.settings.declaration
             unsure = replace(self.belief, doubt=declaration.doubt_at_start)
@@ -282,8 +280,8 @@ class Localizer:
             return self.estimate
         key = self._key.child(self._step)
         particles, info = advance(
-            self.belief.particles, move, self.raster, self._conditions.motion, key,
-            self.settings.resampling,
+            faded(self.belief.particles, move.length_m, self.settings.hint), move, self.raster,
+            self.settings.motion, key, self.settings.resampling,
         )  # fmt: skip
         if jumps:
             self.belief = jumped(

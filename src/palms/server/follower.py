@@ -114,7 +114,6 @@ class Follower:
     def __init__(self, floor: Floor, terms: Terms) -> None:
         self.floor = floor
         self.terms = terms
-        self.settings = terms.settings()
         self.intake = Intake()
         self.seq = 0
         self._reckoner = Reckoner()
@@ -126,8 +125,9 @@ class Follower:
         self._level_known: LevelKnown | None = None
         kind: Any = terms.source
         self.localizer = Localizer(
-            floor.ground, self.settings, as_key(terms.seed), terms.frame == "own", source=kind
+            floor.ground, terms.settings(), as_key(terms.seed), terms.frame == "own", source=kind
         )
+        self.settings = self.localizer.settings
         if terms.start_level is not None:
             self.localizer.hint(Hint(level=terms.start_level, probability=START_SURE))
 

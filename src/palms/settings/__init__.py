@@ -18,6 +18,7 @@ from palms.settings.groups import (
 )
 from palms.settings.ours import (
     DeclarationSettings,
+    HintSettings,
     JumpSettings,
     LevelSettings,
     ObservationSettings,
@@ -33,6 +34,7 @@ __all__ = [
     "CandidateSettings",
     "ConvergenceSettings",
     "DeclarationSettings",
+    "HintSettings",
     "JumpSettings",
     "LevelSettings",
     "Limits",

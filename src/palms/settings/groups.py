@@ -248,9 +248,12 @@ class MotionSettings:
         (paper silent, which we read as none).
     drift_rate_rad_per_s : float
         Spread of the steady turn of a walk's frame (paper silent, which we read as none).
-    scale_per_sqrt_m : float
-        Standard deviation of the scale's change in a metre; it grows with the root of the
-        distance (paper silent, which we read as none).
+    leg_scale_sd : float
+        By so much does the scale of a leg differ from the walk's, standard deviation (paper
+        silent, which we read as none).
+    leg_m : float
+        After so many metres 63 % of that is forgotten (ours: people change their step at
+        corners and doors).
     """
 
     step_m: float = 0.65
@@ -263,7 +266,8 @@ class MotionSettings:
     hit_weight: float = 0.0
     scale_sd: float = 0.0
     drift_rate_rad_per_s: float = 0.0
-    scale_per_sqrt_m: float = 0.0
+    leg_scale_sd: float = 0.0
+    leg_m: float = 7.5
 
     def __post_init__(self) -> None:
         check(
@@ -285,7 +289,8 @@ class MotionSettings:
                 "0 or more",
                 self.drift_rate_rad_per_s,
             ),
-            scale_per_sqrt_m=(self.scale_per_sqrt_m >= 0, "0 or more", self.scale_per_sqrt_m),
+            leg_scale_sd=(0 <= self.leg_scale_sd <= 0.3, "0 to 0.3", self.leg_scale_sd),
+            leg_m=(self.leg_m > 0, "above 0 m", self.leg_m),
         )
 
 
@@ -362,6 +367,9 @@ class AnswerSettings:
     core_spread : float
         The same for `radius_68_m`, if it is less: errors gather more, and reach farther, than
         the belief does (1: paper; 0.5: ours, fitted).
+    local_spread_inertial, core_spread_inertial : float
+        The same where the odometry is inertial: then the belief spreads along corridors, too
+        (1: paper; 0.8 and 0.7: ours, fitted).
     """
 
     hypotheses: int = 5
@@ -369,6 +377,8 @@ class AnswerSettings:
     heading_move_m: float = 0.05
     local_spread: float = 1.0
     core_spread: float = 1.0
+    local_spread_inertial: float = 1.0
+    core_spread_inertial: float = 1.0
 
     def __post_init__(self) -> None:
         check(
@@ -380,4 +390,10 @@ class AnswerSettings:
             heading_move_m=(self.heading_move_m >= 0, "0 m or more", self.heading_move_m),
             local_spread=(0.5 <= self.local_spread <= 1, "0.5 to 1", self.local_spread),
             core_spread=(0.3 <= self.core_spread <= 1, "0.3 to 1", self.core_spread),
+            local_spread_inertial=(
+                0.5 <= self.local_spread_inertial <= 1, "0.5 to 1", self.local_spread_inertial
+            ),
+            core_spread_inertial=(
+                0.3 <= self.core_spread_inertial <= 1, "0.3 to 1", self.core_spread_inertial
+            ),
         )  # fmt: skip

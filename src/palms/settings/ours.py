@@ -9,6 +9,7 @@ from palms.settings.checks import check
 
 __all__ = [
     "DeclarationSettings",
+    "HintSettings",
     "JumpSettings",
     "LevelSettings",
     "ObservationSettings",
@@ -205,6 +206,9 @@ class DeclarationSettings:
     enter, leave : float
         `p_within_2m` from which it is localized, and below which no longer (ours, chosen on
         development data).
+    leave_inertial : float
+        The same where the odometry is inertial: what it knows spreads again within a few
+        metres (ours, chosen on development data).
     oriented_share, oriented_rad : float
         Oriented while this share of the belief lies this near to one drift (ours: 90 % and
         15 degrees).
@@ -228,6 +232,7 @@ class DeclarationSettings:
     rule: Literal["clusters", "probability"] = "clusters"
     enter: float = 0.98
     leave: float = 0.85
+    leave_inertial: float = 0.95
     oriented_share: float = 0.9
     oriented_rad: float = 0.2617993877991494
     doubt_at_start: float = 0.05
@@ -243,6 +248,9 @@ class DeclarationSettings:
             "declaration",
             enter=(0 < self.enter <= 1, "above 0, at most 1", self.enter),
             leave=(0 <= self.leave <= self.enter, "0 to enter", self.leave),
+            leave_inertial=(
+                0 <= self.leave_inertial <= self.enter, "0 to enter", self.leave_inertial
+            ),
             oriented_share=(
                 0 < self.oriented_share <= 1, "above 0, at most 1", self.oriented_share
             ),
@@ -256,6 +264,23 @@ class DeclarationSettings:
             search_share=(0 <= self.search_share < 1, "0 to below 1", self.search_share),
             search_every_m=(self.search_every_m > 0, "above 0 m", self.search_every_m),
         )  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class HintSettings:
+    """How long a hint counts.
+
+    Parameters
+    ----------
+    fade_m : float
+        After so many metres 63 % of what it said is taken back (ours, chosen on development
+        data).
+    """
+
+    fade_m: float = 40.0
+
+    def __post_init__(self) -> None:
+        check("hint", fade_m=(self.fade_m > 0, "above 0 m", self.fade_m))
 
 
 @dataclass(frozen=True, slots=True)

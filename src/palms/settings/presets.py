@@ -17,6 +17,7 @@ from palms.settings.groups import (
 )
 from palms.settings.ours import (
     DeclarationSettings,
+    HintSettings,
     JumpSettings,
     LevelSettings,
     ObservationSettings,
@@ -30,7 +31,9 @@ METHODS = ("palms", "paper", "authors", "uniform", "uniform-ori", "no-scan")
 
 
 _START = StartSettings(source="posterior", n_particles=30_000)
-_ANSWER = AnswerSettings(local_spread=0.6, core_spread=0.5)
+_ANSWER = AnswerSettings(
+    local_spread=0.6, core_spread=0.5, local_spread_inertial=0.8, core_spread_inertial=0.7
+)
 _RESAMPLING = ResamplingSettings("adaptive")
 _DECLARATION = DeclarationSettings("probability")
 _VIO = MotionSettings(
@@ -38,8 +41,9 @@ _VIO = MotionSettings(
     jitter_m=0.0, hit_weight=0.03, scale_sd=0.03,
 )  # fmt: skip
 _INERTIAL = replace(
-    _VIO, direction_rad=0.08, drift_rate_rad_per_s=0.0024, scale_sd=0.09, scale_per_sqrt_m=0.03
-)
+    _VIO, direction_rad=0.07, drift_rad_per_sqrt_s=0.002, hit_weight=0.01,
+    drift_rate_rad_per_s=0.0024, scale_sd=0.09, leg_scale_sd=0.1,
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,7 +69,7 @@ class Settings:
     1.0
     >>> Settings.for_method("authors").motion.hit_weight
     0.3
-    >>> Settings().motion_for("inertial").scale_sd
+    >>> Settings().for_odometry("inertial").motion.scale_sd
     0.09
     """
 
@@ -83,6 +87,7 @@ class Settings:
     levels: LevelSettings = field(default_factory=LevelSettings)
     restart: RestartSettings = field(default_factory=RestartSettings)
     jump: JumpSettings = field(default_factory=JumpSettings)
+    hint: HintSettings = field(default_factory=HintSettings)
     inertial: MotionSettings = _INERTIAL
 
     @classmethod
@@ -160,9 +165,16 @@ class Settings:
         """Whether the method takes scans at any time, hints and levels."""
         return self.declaration.rule == "probability"
 
-    def motion_for(self, source: Literal["vio", "inertial"]) -> MotionSettings:
-        """Return the motion settings for a kind of odometry."""
-        return self.inertial if source == "inertial" else self.motion
+    def for_odometry(self, source: Literal["vio", "inertial"]) -> Settings:
+        """Return the settings for a kind of odometry: how it errs, and what follows from that."""
+        if source == "vio":
+            return self
+        answer = replace(
+            self.answer, local_spread=self.answer.local_spread_inertial,
+            core_spread=self.answer.core_spread_inertial,
+        )  # fmt: skip
+        declaration = replace(self.declaration, leave=self.declaration.leave_inertial)
+        return replace(self, motion=self.inertial, answer=answer, declaration=declaration)
 
     def with_particles(self, n_particles: int) -> Settings:
         """Return the same settings with another number of particles."""
