@@ -62,6 +62,15 @@ def test_interrupt_is_quiet():
     assert (result.exit_code, result.output) == (130, "")
 
 
+def test_an_interrupt_that_compiled_code_took_for_a_fault_is_quiet_and_a_fault_is_not():
+    fault = SystemError("returned a result with an exception set")
+    assert "a defect of palms (SystemError" in run(failing(fault)).stderr
+    fault.__cause__ = SystemError("another one")
+    fault.__cause__.__cause__ = KeyboardInterrupt()
+    result = run(failing(fault))
+    assert (result.exit_code, result.output) == (130, "")
+
+
 def test_closed_pipe_is_quiet():
     result = run(failing(BrokenPipeError(32, "Broken pipe")))
     assert (result.exit_code, result.output) == (141, "")

@@ -288,12 +288,11 @@ def _claim(points, weight, bins, at, spot, radius, mass, place):
 
 
 @njit(cache=True, nogil=True)
-def heaviest_places(points, weight, radius, n_places):
-    """Up to n_places spots of most weight, greedily: members of a disc leave after each.
+def heaviest_places(points, weight, radius, place, shares):
+    """Find up to K spots of most weight, greedily: members of a disc leave after each.
 
-    Returns
-    -------
-    place (N,) int8: the spot each particle belongs to, or -1; shares (n_places,), 0 when unused.
+    Fill `place` (N,) int8: the spot that each particle belongs to, or -1; and `shares` (K,),
+    0 when unused.
     """
     bins = _binned(points, radius)
     _left, _bottom, rows, columns, start, order = bins
@@ -306,8 +305,8 @@ def heaviest_places(points, weight, radius, n_places):
             mass[b] += weight[order[k]]
     for b in some[:n_some]:
         near[b] = _around(mass, rows, columns, b)
-    place, shares = np.full(points.shape[0], -1, np.int8), np.zeros(n_places)
-    for spot in range(n_places):
+    place[:], shares[:] = -1, 0.0
+    for spot in range(shares.shape[0]):
         best, at = 0.0, -1
         for b in some[:n_some]:
             if near[b] > best + 1e-12:
@@ -318,4 +317,3 @@ def heaviest_places(points, weight, radius, n_places):
         for r in range(max(0, at // columns - 3), min(rows, at // columns + 4)):
             for c in range(max(0, at % columns - 3), min(columns, at % columns + 4)):
                 near[r * columns + c] = _around(mass, rows, columns, r * columns + c)
-    return place, shares

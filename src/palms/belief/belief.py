@@ -58,9 +58,8 @@ class Spots(NamedTuple):
     @classmethod
     def of(cls, particles: Particles, radius_m: float, n: int = N_SPOTS) -> Spots:
         """Find up to n spots, heaviest first."""
-        place, shares = clusters.heaviest_places(
-            particles.position_m, particles.weight, radius_m, n
-        )
+        place, shares = np.empty(len(particles), np.int8), np.empty(n)
+        clusters.heaviest_places(particles.position_m, particles.weight, radius_m, place, shares)
         return cls(radius_m, place, shares)
 
 

@@ -39,3 +39,5 @@ def main() -> None:
         app(prog_name="palms")
     except KeyboardInterrupt:  # before or after the command itself
         sys.exit(130)
+    finally:
+        exec("")  # else an interrupt that went through an exec, as of a dataclass, kills later on

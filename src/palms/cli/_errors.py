@@ -14,7 +14,7 @@ from typer.core import TyperGroup
 
 from palms.errors import PalmsError, PalmsWarning
 
-__all__ = ["CheckedGroup", "one_line"]
+__all__ = ["CheckedGroup", "interrupts", "one_line"]
 
 INPUT_AT_FAULT = 1
 INTERRUPTED = 130  # as shells have it: 128 + SIGINT
@@ -46,6 +46,30 @@ def one_line(error: BaseException) -> str:
     return " ".join(text.split())
 
 
+@contextlib.contextmanager
+def interrupts() -> Iterator[None]:
+    """Raise an interrupt as one, when it fell into compiled code that took it for a fault.
+
+    Examples
+    --------
+    >>> try:
+    ...     with interrupts():
+    ...         raise SystemError("with an exception set") from KeyboardInterrupt()
+    ... except KeyboardInterrupt:
+    ...     print("stopped")
+    stopped
+    """
+    try:
+        yield
+    except SystemError as error:
+        cause = error.__cause__
+        while isinstance(cause, SystemError):
+            cause = cause.__cause__
+        if isinstance(cause, KeyboardInterrupt):
+            raise KeyboardInterrupt from None
+        raise
+
+
 class CheckedGroup(TyperGroup):
     """A group of commands whose errors become one line and an exit code.
 
@@ -56,7 +80,8 @@ class CheckedGroup(TyperGroup):
         """Run the command; a mistake of the input ends with exit code 1."""
         with _notes() as notes:
             try:
-                result = super().invoke(ctx)
+                with interrupts():
+                    result = super().invoke(ctx)
                 sys.stdout.flush()
             except KeyboardInterrupt:
                 raise typer.Exit(INTERRUPTED) from None

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from palms.cli._errors import INTERRUPTED
+from palms.cli._errors import INTERRUPTED, interrupts
 from palms.cli._options import Source
 
 if TYPE_CHECKING:
@@ -78,8 +78,9 @@ def bench(
     check_folder(out)
     journal = Journal(out, experiment.to_json(cases))
     try:
-        _run(experiment, journal, len(cases), jobs, cluster)
-        _write(experiment, journal, cases, changed)
+        with interrupts():
+            _run(experiment, journal, len(cases), jobs, cluster)
+            _write(experiment, journal, cases, changed)
     except KeyboardInterrupt:
         typer.echo("stopped; run the same command again to go on", err=True)
         raise typer.Exit(INTERRUPTED) from None
