@@ -22,7 +22,7 @@ from palms.settings import ConvergenceSettings
 __all__ = ["N_SPOTS", "Belief", "Spots", "Stage", "settle"]
 
 N_SPOTS = 5  # ours: as many as are told, unless the settings ask for more
-_SETTLE = 6  # purpose of random numbers, after those of particles.py
+_SETTLE = 6  # purpose of random numbers, after those of palms.particles
 
 
 class Stage(StrEnum):
