@@ -85,10 +85,7 @@ def advance(
         spread = np.array([settings.jitter_m, noise.drift_rad])
         copying = key.child(_COPY).word
         loops.replace_hits(position, drift, scale, label, hit, spread, copying, raster.walls)
-    moved = Particles(
-        position, drift, scale, label, particles.weight, particles.drift_rate_rad_per_s,
-        particles.leg_scale, particles.hint_nats,
-    )  # fmt: skip
+    moved = replace(particles, position_m=position, drift_rad=drift, scale=scale, label=label)
     if scheme == "survivors":
         return moved, MoveInfo(n_hit, n - n_hit, effective_sample_size(moved.weight))
     moved, kept = reweight(moved, np.where(hit, settings.hit_weight, 1.0))
@@ -129,7 +126,5 @@ def _resample_all(particles: Particles, settings: MotionSettings, key: RandomKey
     offset = np.empty((n, 2))
     loops.normals(key.child(_COPY).word, 2, offset)
     weight = particles.weight[index]
-    return Particles(
-        particles.position_m[index] + settings.jitter_m * offset, particles.drift_rad[index],
-        particles.scale[index], particles.label[index], weight / by_weight.moments(weight)[0],
-    )  # fmt: skip
+    drawn = particles.take(index, weight / by_weight.moments(weight)[0])
+    return replace(drawn, position_m=drawn.position_m + settings.jitter_m * offset)
